@@ -76,6 +76,9 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief
     Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike.
     """
     before = structured_of_each(base.fit, base.problem)
+    if base.judgement.is_noise:
+        # What is above a noise that is known so badly is no misfit.
+        before = np.zeros_like(before)
     least: dict[frozenset[str], float] = {}
     for model in models:
         if model.ids and np.isfinite(model.fit.chi2):

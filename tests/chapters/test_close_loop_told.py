@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 from conftest import Run
 
+from hyperfab.chapters.close_loop.readings import read_thermocouples
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.documents.base import schema
 
 MODEL = {
@@ -283,3 +286,14 @@ def test_looking_at_the_cause_is_advised_before_one_more_test(hf: Run, model: Pa
     assert [line.split(":")[0] for line in lines] == ["What shows each of them", "Or measure next"]
     assert "readings at rest, before the pull" in lines[0]
     assert lines[0] in told.replace("\n", " ")
+
+
+def test_rows_of_thermocouples_that_are_no_reading_are_counted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{t},{20 + t}\n" for t in range(9))
+    (tmp_path / "t.csv").write_text(f"time [s],a [degC]\n{rows},,\nmean,24\n")
+    read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a"], None)
+    assert len(read.times) == 9
+    assert read.left_out == {"blank row": 1, "closing row, no reading": 1}

@@ -10,7 +10,9 @@ from hyperfab.chapters.close_loop.words import another_unit, delivered_of
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
 from hyperfab.loop.emulator import Axis, emulate
+from hyperfab.loop.engine import close
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
+from hyperfab.loop.noise import Noise
 
 KNOTS = np.linspace(5.0, 60.0, 12)
 
@@ -151,3 +153,17 @@ def test_readings_in_another_unit_than_stated_are_asked_about(factor: float) -> 
     assert another_unit(problem) == []
     problem.measured = np.zeros(len(given))
     assert another_unit(problem) == []
+
+
+@pytest.mark.parametrize("low", [1.0, 0.5])
+def test_noise_that_is_known_badly_and_guessed_too_low_is_nothing_else(low: float) -> None:
+    """Where the verdict is noise, something else may not be likely beside it, however loud the noise turned out."""
+    problem = contact()
+    sd = np.ones(len(problem.measured))
+    sd[:45] = 0.02
+    problem.measured = delivered_of(problem)
+    problem.measured[:45] += 0.02 * np.random.default_rng(1).standard_normal(45)
+    found = close(problem, noise=Noise(low * sd, 2.0, "a guess"), design=False)
+    assert found.verdict == "noise"
+    assert found.belief is not None
+    assert found.belief.something_else <= 1.0 / (2.0 + len(problem.effects)) + 1e-9

@@ -80,7 +80,7 @@ def run(job: Job, given: Given) -> int:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
         found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
-    left_out = {f"no reading of {name}": count for name, count in read.missing.items()}
+    left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
     result = describe(problem, found, "K", left_out, [], domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
@@ -208,13 +208,15 @@ def alike(sizes: Array, dof: Array) -> bool:
 class Thermocouples:
     """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
 
-    ``power`` (t,) [W] is what all heaters drew together, where the file says it.
+    ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts rows that are no
+    reading.
     """
 
     times: Array
     readings: Array
     names: list[str]
     power: Array | None = None
+    left_out: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def missing(self) -> dict[str, int]:
@@ -255,4 +257,5 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
                 remedy=f"give {FEWEST} or more, or leave the column out",
             )
     power = table["power"] if "power" in table.columns else None
-    return Thermocouples(table["time"], readings, [known[column.casefold()] for column in columns], power)
+    names = [known[column.casefold()] for column in columns]
+    return Thermocouples(table["time"], readings, names, power, table.left_out)
