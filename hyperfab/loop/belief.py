@@ -70,14 +70,14 @@ def surprise(state: Candidate) -> float:
     return _student(structured_of_each(state.fit, state.problem)) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
 
 
-def belief(base: Candidate, models: Iterable[Candidate], entries: int) -> Belief:
+def belief(base: Candidate, models: Iterable[Candidate], entries: int, *, is_noise: bool = False) -> Belief:
     """Return how sure each entry is, given all ``models`` that were fitted.
 
-    Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike.
+    Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike. ``is_noise``: what
+    the model without names leaves passes for noise, in every test of that.
     """
     before = structured_of_each(base.fit, base.problem)
-    if base.judgement.is_noise:
-        # What is above a noise that is known so badly is no misfit.
+    if is_noise:  # what is above a noise that is known so badly is no misfit
         before = np.zeros_like(before)
     least: dict[frozenset[str], float] = {}
     for model in models:

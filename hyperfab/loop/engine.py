@@ -89,7 +89,8 @@ def close(
     worth = search.worth(before)
 
     def sure_of() -> Belief:
-        return belief(before, search.states, sum(not effect.not_sought for effect in problem.effects))
+        entries = sum(not effect.not_sought for effect in problem.effects)
+        return belief(before, search.states, entries, is_noise=before.judgement.is_noise)
 
     def finding(
         verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
