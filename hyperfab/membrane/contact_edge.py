@@ -19,9 +19,15 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.equilibrium import Press, State
 from hyperfab.membrane.mesh import SheetMesh
 
-#: Nodes out to this many edge lengths beyond the last touching one take part.
+#: Nodes out to this many edge lengths beyond the edge take part.
 _WINDOW = 4.0
 _FEWEST_NODES = 6
+#: Harmonics at most: cosines up to the eighth of a quarter, cosines and sines up to the fourth of a whole sheet.
+_MOST_HARMONICS = {2: 5, 1: 9}
+#: How often the window is laid along the edge that was found in it.
+_SWEEPS = 4
+#: Angles at which a curve is asked: far more than it has harmonics.
+_AROUND = 360
 
 
 @dataclass(frozen=True)
@@ -70,27 +76,67 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
     judge = np.arange(len(place)) >= (mesh.corners if mesh.order == 2 else 0)
     judge &= press.sheet.pattern.free[:, 2]
     inside = state.touching & judge
-    last = float(radius[inside].max()) if inside.any() else 0.0
     near = press.punch.near(state.places, state.depth)
     gap = near.gap
     if near.facet is not None:
         return contact_front(mesh, place, state.touching, gap)
-    edge_length = float(mesh.node_size[np.argmin(np.abs(radius - last))])
-    window = judge & ~state.touching & (gap > 0) & (radius < last + _WINDOW * edge_length)
     multiple = 2 if mesh.copies == 4 else 1
-    while window.sum() < _FEWEST_NODES:
-        edge_length *= 1.5
-        window = judge & ~state.touching & (gap > 0) & (radius < last + _WINDOW * edge_length)
-        if edge_length > press.sheet.reach:
-            return ContactEdge(np.array([last]), multiple)
-    count = min(5, max(1, int(window.sum()) // 8))
-    shape = _basis(angle[window], count, multiple)
-    # sqrt(gap) = k (r - a(angle)) + q (r - last)^2, with k a_j as unknowns.
-    columns = np.column_stack([radius[window], (radius[window] - last) ** 2, -shape])
-    found, *_ = np.linalg.lstsq(columns, np.sqrt(gap[window]), rcond=None)
-    if found[0] <= 0:
-        return ContactEdge(np.array([last]), multiple)
-    return ContactEdge(found[2:] / found[0], multiple)
+    outside = judge & ~state.touching & (gap > 0)
+    harmonics, edge_length = _about(mesh, place, inside, multiple)
+    for _ in range(_SWEEPS):
+        beyond = radius - ContactEdge(harmonics, multiple).radius(angle)
+        window = outside & (beyond < _WINDOW * edge_length)
+        while window.sum() < _FEWEST_NODES and edge_length <= press.sheet.reach:
+            edge_length *= 1.5
+            window = outside & (beyond < _WINDOW * edge_length)
+        if window.sum() < _FEWEST_NODES:
+            break
+        moved = _moved(harmonics, beyond[window], angle[window], np.sqrt(gap[window]), multiple)
+        if moved is None:
+            break
+        harmonics = moved
+    return ContactEdge(harmonics, multiple)
+
+
+def _about(mesh: SheetMesh, place: Array, inside: Flags, multiple: int) -> tuple[Array, float]:
+    """Return harmonics of a curve between the nodes ``inside`` and their neighbours, and how long edges are there."""
+    sides = mesh.elements[:, 3:] if mesh.order == 2 else mesh.elements
+    pairs = sides[:, _SIDES].reshape(-1, 2)
+    crossed = pairs[inside[pairs[:, 0]] != inside[pairs[:, 1]]]
+    if not len(crossed):
+        radius = np.hypot(place[:, 0], place[:, 1])
+        last = float(radius[inside].max()) if inside.any() else 0.0
+        return np.array([last]), float(mesh.node_size[np.argmin(np.abs(radius - last))])
+    x, y = place[crossed].mean(axis=1).T
+    count = min(_MOST_HARMONICS[multiple], max(1, len(crossed) // 4))
+    return _harmonics(np.hypot(x, y), np.arctan2(y, x), count, multiple), float(
+        np.median(mesh.node_size[crossed])
+    )
+
+
+def _harmonics(radius: Array, angle: Array, count: int, multiple: int) -> Array:
+    """Return the harmonics of the curve nearest to points (n,) in polar coordinates."""
+    found, *_ = np.linalg.lstsq(_basis(angle, count, multiple), radius, rcond=None)
+    return np.asarray(found)
+
+
+def _moved(harmonics: Array, beyond: Array, angle: Array, root: Array, multiple: int) -> Array | None:
+    """Return the harmonics of the curve on which ``root`` (n,), the root of the gap, vanishes; None if there is none.
+
+    ``beyond`` (n,) [mm] is how far nodes lie outside of the curve of ``harmonics``:
+    root = k(angle) (beyond - shift(angle)) + q beyond^2. How steeply the gap opens, k, changes around the edge
+    where the tensions along and across it do.
+    """
+    count = min(_MOST_HARMONICS[multiple], max(1, len(beyond) // 8))
+    shape = _basis(angle, count, multiple)
+    columns = np.column_stack([shape * beyond[:, None], -shape, beyond**2])
+    found, *_ = np.linalg.lstsq(columns, root, rcond=None)
+    around = np.linspace(0.0, 2 * np.pi, _AROUND, endpoint=False)
+    steep, rise = (_basis(around, count, multiple) @ found[part : part + count] for part in (0, count))
+    if steep.min() <= 0.0:
+        return None
+    moved = ContactEdge(harmonics, multiple).radius(around) + rise / steep
+    return _harmonics(moved, around, max(count, len(harmonics)), multiple)
 
 
 def _basis(angle: Array, count: int, multiple: int) -> Array:
