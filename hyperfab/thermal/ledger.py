@@ -71,7 +71,7 @@ class Ledger:
     @property
     def by_step(self) -> tuple[Array, Array]:
         """Heat that was supplied and heat that was lost in each step (steps,) [J]."""
-        rows = np.array(self.entered).reshape(-1, len(self.names))
+        rows = np.array(self.entered).reshape(len(self.entered), len(self.names))
         given = np.where(self.held, np.maximum(rows, 0.0), np.where(self.supplying, rows, 0.0))
         return given.sum(axis=1), -(rows - given).sum(axis=1)
 

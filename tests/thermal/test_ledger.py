@@ -27,3 +27,13 @@ def test_a_held_face_supplies_while_it_gives_heat_and_loses_while_it_takes_it():
     assert (ledger.supplied(), ledger.lost()) == (9.0, 6.0)
     assert (ledger.supplied(1), ledger.lost(1)) == (9.0, 1.0)
     assert ledger.imbalance() == 0.0
+
+
+@pytest.mark.parametrize("steps", [0, 3])
+def test_a_body_that_nothing_is_done_to_has_an_account_too(steps):
+    """No heater, film or held face: heat moves between its parts alone."""
+    ledger = Ledger([], np.zeros(0, bool), np.zeros(0, bool), 0.0)
+    for _ in range(steps):
+        ledger.add(np.zeros(0), 0.0, 7.0)
+    assert (ledger.supplied(), ledger.lost(), ledger.by_condition, ledger.imbalance()) == (0.0, 0.0, {}, 0.0)
+    assert ledger.supplied(1) == ledger.lost(1) == 0.0
