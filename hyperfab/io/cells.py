@@ -1,13 +1,15 @@
-"""What a cell by itself looks like."""
+"""What a cell by itself looks like, and a column of them."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
 _CLOCK = re.compile(
     r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?)?"
 )
+_PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 #: What spreadsheets and machines write where there is no reading.
 NO_READING = re.compile(
     r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)|-{1,4}|\*+|#+|[–—]|ovl|overload|nan|none|null|inf",
@@ -27,3 +29,36 @@ def is_clock(cell: str) -> bool:
         and (":" in cell or cell.count(".") == 2 or cell.count("-") == 2 or cell.count("/") == 2)
         and (_CLOCK.fullmatch(cell) is not None)
     )
+
+
+def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> str:
+    """Return the name that the first readings of a column of stretches suggest, and those of the ``stress`` beside.
+
+    What is called a stretch and begins at nothing is a strain, as a share however large. What is one where the stress
+    is least, and nowhere nothing, is a stretch that a compression began.
+    """
+    values = _values(cells)
+    if values and max(values) < 20.0 and (values[0] >= 0.9 or _is_one_at_rest(cells, stress)):
+        return "stretch"
+    percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
+    return "strain [%]" if percent else "strain [-]"
+
+
+def _is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
+    """Whether a column is above nothing throughout, and near one where the stress beside it is least."""
+    pairs = [
+        (abs(other), value)
+        for one, two in zip(cells, stress, strict=False)
+        for value, other in zip(_values([one]), _values([two]), strict=False)
+    ]
+    return bool(pairs) and min(value for _, value in pairs) > 0.0 and abs(min(pairs)[1] - 1.0) < 0.1
+
+
+def is_length(cells: Sequence[str]) -> bool:
+    """Whether a column begins with more than it changes by: a length itself, no change of one."""
+    values = _values(cells)
+    return bool(values) and values[0] > max(values) - min(values) > 0.0
+
+
+def _values(cells: Sequence[str]) -> list[float]:
+    return [float(cell.replace(",", ".")) for cell in cells if _PLAIN.fullmatch(cell)]

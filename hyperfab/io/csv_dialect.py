@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.errors import InputError
-from hyperfab.io.cells import NO_READING, is_number
+from hyperfab.io.cells import NO_READING, is_number, shape
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.dictionary import fold, is_closing, setting
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import fold, heading, is_closing, setting, unit_of
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
@@ -26,11 +26,11 @@ from hyperfab.io.tables import (
     is_data,
     is_label,
     is_units,
-    shape,
     transposed,
     understood,
     with_units,
 )
+from hyperfab.io.titles import heading, unit_of
 from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.

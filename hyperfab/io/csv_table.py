@@ -13,10 +13,9 @@ from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, meaning, suffixed
+from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.io.unit_table import UnitError
-from hyperfab.io.units import KINDS, column_factor
+from hyperfab.io.units import KINDS
 
 
 @dataclass(frozen=True)
@@ -124,11 +123,8 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
         if heading.index in taken or not heading.name:
             continue
         resolved = suffixed(heading)
-        try:
-            column_factor(resolved.unit or "-", kind)
-        except UnitError:
-            continue
-        found.append(resolved)
+        if is_of(resolved.unit or "-", kind):
+            found.append(resolved)
     return found
 
 

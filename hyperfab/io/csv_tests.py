@@ -17,20 +17,18 @@ from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.kinds_of_tests import TESTS, is_pulled, said, tests_of_rows
+from hyperfab.io.impossible import refuse_impossible
+from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
+from hyperfab.io.loading import Loading, read_loading
 from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles, fits, roles
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.side_by_side import may_be_specimens, specimens
-from hyperfab.io.specimen import Geometry, Loading, read_geometry, read_loading
+from hyperfab.io.specimen import Geometry, read_specimen
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
-#: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
-#: test, in MPa or N/mm.
-LARGEST_STRETCH = 50.0
-PEAK_STRESS = (1e-9, 1e6)
 
 
 @dataclass(frozen=True)
@@ -112,7 +110,8 @@ def _read_sheet(
     sheet = _without_stale_row(sheet, columns, mark)
     kinds, pressed = tests_of_rows(sheet, columns, test)
     notes: list[str] = []
-    sizes = read_geometry(sheet, geometry, mark, notes)
+    strip = read_specimen(sheet, geometry, mark, notes)
+    sizes = strip.sizes
     ways = directions(sheet, columns)
     named = held_down(words_or_stated(sheet, columns, "specimen"))
     numbered = (
@@ -120,8 +119,7 @@ def _read_sheet(
     )
     groups = _groups(kinds, ways, numbered)
     loadings = {
-        kind: read_loading(sheet, columns, kind, sizes, mark, geometry, pressed)
-        for kind in sorted({one for one, _, _ in groups})
+        kind: read_loading(strip, columns, kind, pressed) for kind in sorted({one for one, _, _ in groups})
     }
     known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
@@ -148,7 +146,7 @@ def _read_sheet(
             notes=(*loading.notes, *notes),
             metadata=metadata,
         )
-        _check(part, sheet, columns, clock)
+        refuse_impossible(part, sheet, columns, clock)
         found.append(part)
     rows_of = [
         one
@@ -200,27 +198,24 @@ def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:
     seen: set[int] = set()
     count = len(sheet.lines)
     pairs = [(names, place) for names in (STRETCHES, STRESSES) for place in ("", " 2")]
-    needed = [one.heading.index for names, place in pairs if (one := columns.first(names, place)) is not None]
-    for names in (STRETCHES, STRESSES):
-        for place in ("", " 2"):
-            column = columns.first(names, place)
-            if column is None:
+    needed = [
+        sheet.columns[one.heading.index]
+        for names, place in pairs
+        if (one := columns.first(names, place)) is not None
+    ]
+    for cells in needed:
+        if not _ODD.search("\n".join(cells)):
+            continue
+        last = max((row for row in range(count) if is_number(cells[row])), default=-1)
+        for row, cell in enumerate(cells):
+            if row in seen or (cell and not NO_READING.fullmatch(cell)):
                 continue
-            cells = sheet.columns[column.heading.index]
-            if not _ODD.search("\n".join(cells)):
-                continue
-            last = max((row for row in range(count) if is_number(cells[row])), default=-1)
-            for row, cell in enumerate(cells):
-                if row in seen or (cell and not NO_READING.fullmatch(cell)):
-                    continue
-                word = cell.casefold().strip("+-")
-                if not cell and any(sheet.columns[index][row] for index in needed):
-                    continue  # a file cut in a cell is no whole test
-                if row > last or (cell and word not in ("nan", "inf", "none", "null")):
-                    seen.add(row)
-                    reasons.setdefault(f"no reading ({cell})" if cell else "no reading (empty)", []).append(
-                        row
-                    )
+            word = cell.casefold().strip("+-")
+            if not cell and any(other[row] for other in needed):
+                continue  # a file cut in a cell is no whole test
+            if row > last or (cell and word not in ("nan", "inf", "none", "null")):
+                seen.add(row)
+                reasons.setdefault(f"no reading ({cell or 'empty'})", []).append(row)
     for reason, rows in reasons.items():
         sheet = replace(sheet, left_out={**sheet.left_out, reason: len(rows)})
     return sheet if not seen else replace(sheet.without(sorted(seen), "-"), left_out=sheet.left_out)
@@ -244,86 +239,3 @@ def _groups(
     for row, key in enumerate(zip(tests, directions, specimens, strict=True)):
         found.setdefault(key, []).append(row)
     return {key: np.array(rows, dtype=np.int64) for key, rows in found.items()}
-
-
-def _as_strain(sheet: CsvSheet, column: Column) -> str:
-    """Return the option that says of a column that it is a strain, in its unit."""
-    return sheet.option([(column.heading.title, f"strain [{column.heading.unit or '-'}]")])
-
-
-def _check(found: TestData, sheet: CsvSheet, columns: Roles, clock: bool) -> None:
-    """Refuse what no test can have shown; what is merely odd is the fit's to judge."""
-    if found.mode in ("volumetric", "simple-shear"):
-        return
-    stretch, stress = found.stretch, found.stress
-
-    def refuse(row: int, message: str, remedy: str) -> InputError:
-        return InputError(message, file=sheet.name, line=int(found.lines[row]), remedy=remedy)
-
-    held = found.stretch2 is not None or found.time_s is not None  # a strip test across, a relaxation
-    if len(stretch) > 1 and np.ptp(stretch) == 0.0 and not held:
-        raise refuse(
-            0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row"
-        )
-    peak = float(np.abs(stress).max())
-    swapped = (
-        np.flatnonzero((stretch < 0.9) & (stress > 0.05 * peak))
-        if peak > 0.0 and found.mode != "biaxial-general"
-        else np.array([], dtype=int)
-    )
-    if swapped.size:
-        row = int(swapped[0])
-        pull, push = columns.first(STRETCHES), columns.first(STRESSES)
-        remedy = "are the columns of stretch and stress swapped?"
-        if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
-            remedy = f"is it a strain? then say {_as_strain(sheet, pull)}; {remedy}"
-        elif push is not None and pull is not None:
-            for turned, where in ((pull, "it was pulled"), (push, "pushing counts as positive")):
-                flip = sheet.option(
-                    [(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")]
-                )
-                remedy += f" where {where}, say {flip};" if turned is pull or not is_pulled(sheet) else ""
-            remedy = remedy.rstrip(";")
-        raise refuse(
-            row,
-            f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
-            remedy,
-        )
-    pull = columns.first(STRETCHES)
-    if (
-        pull is not None
-        and pull.name == "strain"
-        and sheet.layout.choice(pull.heading, sheet.headings) is None
-    ):
-        rest = int(np.abs(stress).argmin())
-        if abs(stretch[rest] - 2.0) < 0.02 and abs(stress[rest]) <= 0.02 * peak and stretch.min() > 1.2:
-            title = pull.heading.title
-            raise refuse(
-                rest,
-                f"a strain of {stretch[rest] - 1.0:g} where the stress is {stress[rest]:g}",
-                f"is it a stretch? then say {sheet.option([(title, 'stretch')])}; if it is none, "
-                f"{_as_strain(sheet, pull)}",
-            )
-    if clock and found.time_s is not None:
-        back = np.flatnonzero(np.diff(found.time_s) < 0.0)
-        if back.size and found.cycle is None and found.branch is None and found.rate_1_s is None:
-            column = columns.columns.get("time")
-            drop = (
-                ""
-                if column is None
-                else f"; without the times: {sheet.option([(column.heading.title, 'aside')])}"
-            )
-            raise refuse(
-                int(back[0]) + 1,
-                f"the time goes back from {found.time_s[back[0]]:g} s to {found.time_s[back[0] + 1]:g} s",
-                f"sort the rows, or tell the specimens apart in a column named specimen{drop}",
-            )
-    row = int(stretch.argmax())
-    if stretch[row] > LARGEST_STRETCH or stretch.min() < 1.0 / LARGEST_STRETCH:
-        row = row if stretch[row] > LARGEST_STRETCH else int(stretch.argmin())
-        raise refuse(row, f"no fabric reaches a stretch of {stretch[row]:g}", "check the unit of the column")
-    if peak > 0.0 and not PEAK_STRESS[0] < peak < PEAK_STRESS[1]:
-        row = int(np.abs(stress).argmax())
-        raise refuse(
-            row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column"
-        )

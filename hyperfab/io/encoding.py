@@ -7,7 +7,7 @@ import re
 import unicodedata
 
 from hyperfab.errors import InputError
-from hyperfab.io.headings import is_known, setting
+from hyperfab.io.dictionary import is_known, setting
 
 #: Recordings are thinned before they are fitted; this bound keeps any file within a second and 400 MB.
 MAX_BYTES = 32 * 2**20

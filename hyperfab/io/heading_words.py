@@ -1,6 +1,6 @@
 """What testing machines and offices call their columns and settings, in nine languages.
 
-Words stand as ``hyperfab.io.headings.plain`` leaves them: lower case, without accents, punctuation as spaces.
+Words stand as ``hyperfab.io.dictionary.plain`` leaves them: lower case, without accents, punctuation as spaces.
 Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
 Mark-10, Textechno, TA and Anton Paar rheometers, GOM, VIC and Istra, as their manuals and users' files show them.
 """

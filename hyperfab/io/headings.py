@@ -1,56 +1,27 @@
-"""Headings of columns: the label, the unit however it is set beside it, and what a machine means by it."""
+"""Headings of columns: what a column holds, by its label and the unit beside it."""
 
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache
 
 from hyperfab.io import heading_words
+from hyperfab.io.dictionary import (
+    Meaning,
+    fold,
+    is_filler,
+    is_known,
+    looked_up,
+    measured,
+    plain,
+    qualifiers,
+    setting,
+    without_brackets,
+)
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import column_factor, is_unit
 
-#: Anything that starts like a number: enough to tell a row of data from a row of words.
-NUMBER_LIKE = re.compile(r"[+-]?[.,]?\d[\d.,eE+-]*", re.ASCII)
-_GROUPS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
-_TAIL = re.compile(r"(?:\s*(?:\[[^\[\]]*\]|\([^()]*\)|\{[^{}]*\}|<[^<>]*>))+\s*$")
-_GREEK = str.maketrans(
-    {"ε": "epsilon", "ϵ": "epsilon", "σ": "sigma", "λ": "lambda", "τ": "tau", "γ": "gamma",
-        "Δ": "delta ", "δ": "delta ", "∆": "delta "}
-)  # fmt: skip
-_SQUARE = re.compile(r"\bsq\b[. ]*([a-z]+)", re.IGNORECASE)
-_LIKE_A_NUMBER = re.compile(r"[x*\u00d7] ?\d|\d")
-#: An amount in a unit, in the place of one: Load (100 N).
-COUNTED = re.compile(r"([\d.,]*\d) ?(?![\d.,])(\D.*)")
-#: Per cent in a title, by its sign or a word, and what stands before it.
-_PER_CENT = re.compile(
-    r"(.*?)[\s_(\[{,/]*(?:%|\b(?:percent(?:age)?|per ?cent|pct|perc|prozent|porcentaje|por ciento|pourcent|percento)\b"
-    r"|[(\[]\s*(?:pc|v\.? ?h\.?)\s*[)\]]).*",
-    re.IGNORECASE,
-)
-#: Units in words, as offices write them.
-_UNIT_WORDS = {
-    "newton": "N", "newtons": "N", "kilonewton": "kN", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
-    "sek": "s", "sekunden": "s",
-    "sekunde": "s", "seg": "s", "segundos": "s", "segundo": "s", "secondes": "s", "seconde": "s",
-    "secondi": "s", "minute": "min",
-    "minutes": "min", "minuten": "min", "minutos": "min", "minuti": "min", "millimeter": "mm",
-    "millimeters": "mm", "millimetre": "mm",
-    "millimetres": "mm", "milimetros": "mm", "millimetri": "mm", "megapascal": "MPa", "kilopascal": "kPa",
-    "mpa": "MPa", "kpa": "kPa",
-    "kn": "kN", "kgf": "kgf", "lbf": "lbf", "gf": "gf", "ozf": "ozf", "prozent": "%", "percent": "%",
-    "per cent": "%", "pct": "%",
-    "porcentaje": "%", "pourcent": "%", "grad c": "degC", "grad celsius": "degC", "deg c": "degC",
-    "celsius": "degC", "grados c": "degC",
-    "degres c": "degC", "gradi c": "degC", "graus c": "degC", "kelvin": "K", "dimensionless": "-",
-    "none": "-", "inch": "in", "pulg": "in",
-    "kg": "kg", "kgs": "kg", "kilogram": "kg", "kilograms": "kg", "kilos": "kg", "gm": "g", "gms": "g", "lbs": "lb",
-    "pounds": "lb", "ounces": "oz", "kips": "kip", "kg f": "kgf", "g f": "gf", "lb f": "lbf", "lbs f": "lbf",
-    "lbs force": "lbf", "lb force": "lbf", "pound force": "lbf", "pounds force": "lbf", "kg force": "kgf",
-    "tonf": "tf", "ton force": "tf", "nt": "N", "microstrain": "ppm", "micro strain": "ppm", "\u03bcepsilon": "ppm",
-}  # fmt: skip
 #: The kind of quantity each column holds.
 KIND: Mapping[str, str] = {
     "stretch": "dimensionless", "strain": "dimensionless", "true strain": "dimensionless",
@@ -71,10 +42,6 @@ _BY_UNIT: Mapping[str, Mapping[str, str]] = {
     "membrane stress": {"stress": "stress", "force": "force"},
     "time": {"temperature": "temperature"},
 }
-#: A channel's own name, before or behind what it records: ai0, E1, CH02, Dev1.
-_CHANNEL = re.compile(r"[a-z]{1,4}\d{1,2}")
-#: A remark behind a unit, parted by a dash: exx [1] - Lagrange.
-_DASHED = re.compile(r"(.*[\])}])\s*[-\u2013]\s*([^\W\d][\w .]*)")
 _AXES = {"1": "1", "2": "2", "11": "1", "22": "2", "x": "x", "y": "y", "xx": "x", "yy": "y"}
 
 
@@ -93,163 +60,22 @@ class Heading:
         return fold(self.label)
 
 
-@dataclass(frozen=True)
-class Meaning:
-    """What a column holds: a ``name`` of ``heading_words.COLUMNS`` or ``aside``, and along which axis of the sheet.
-
-    ``axis`` is 1, 2, x or y, or nothing where the heading tells none; ``compressive`` columns count pushing as
-    positive. Of two columns of one name that of the lower ``rank`` is the better told.
-    """
-
-    name: str
-    axis: str = ""
-    compressive: bool = False
-    rank: int = 0
-
-
-def fold(text: str) -> str:
-    """Return a name as it is compared: lower case, single spaces for ``_`` and ``-``.
-
-    >>> fold("Gauge_Length ")
-    'gauge length'
-    """
-    return " ".join(text.casefold().replace("_", " ").replace("-", " ").split())
-
-
-@cache
-def plain(text: str) -> str:
-    """Return words as they are looked up: lower case, without accents, punctuation as spaces.
-
-    >>> plain("Längenänderung ΔL"), plain("Déformation_(nominale)")
-    ('langenanderung delta l', 'deformation nominale')
-    """
-    text = unicodedata.normalize("NFKD", text[:120].translate(_GREEK).casefold().translate(_GREEK))
-    kept = (mark for mark in text if not unicodedata.combining(mark))
-    return " ".join("".join(mark if mark.isalnum() else " " for mark in kept).split())
-
-
-def words(text: str) -> frozenset[str]:
-    """Return the phrases of a list that semicolons part, as they are looked up."""
-    return frozenset(plain(one) for one in text.split(";")) - {""}
-
-
-def heading(title: str, index: int) -> Heading:
-    """Read a column's title: ``Kraft [N]``, ``Force (N)``, ``Load / N``, ``Load, N``, ``Weg in mm``, ``Dehnung %``.
-
-    >>> heading("Tensile strain (Displacement) (%)", 0)
-    Heading(title='Tensile strain (Displacement) (%)', label='Tensile strain', unit='%', index=0)
-    """
-    text = _DASHED.sub(r"\1 (\2)", title) if len(title) <= 200 else ""
-    tail = _TAIL.search(text)
-    groups = list(_GROUPS.finditer(text, tail.start() if tail else 0))
-    inner = [next(part for part in group.groups() if part is not None).strip() for group in groups]
-    units = [None if tail is None and part.isdigit() else beside(part) for part in inner]
-    chosen = next((k for k in reversed(range(len(groups))) if units[k] is not None), None)
-    if chosen is None and (part := _per_cent(title, index)) is not None:
-        return part
-    if chosen is None and tail is not None:  # a square bracket holds the unit, whatever stands in it
-        chosen = next((k for k in reversed(range(len(groups))) if groups[k][1] is not None), None)
-    if chosen is not None:
-        label = _bare(text[: groups[chosen].start()] + " " + text[groups[chosen].end() :])
-        return Heading(title, label, units[chosen] or inner[chosen] or "-", index)
-    label = _bare(text) if groups else text
-    first, _, last = label.rpartition(" ")
-    if last in ("%", "°C", "°F", "‰") and is_known(first):
-        return Heading(title, first, last, index)
-    for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)"):
-        match = re.fullmatch(pattern, label)
-        if match and (unit := beside(match[2])) is not None and not is_known(label):
-            return Heading(title, match[1].strip(), unit, index)
-    first, _, last = label.rpartition(" ")
-    if first and is_known(first) and not is_known(label) and (unit := unit_of(last)) is not None:
-        name = [fitted for one in looked_up(plain(first)) if (fitted := _fitted(one, unit)) is not None]
-        if last not in ("1", "") and any(is_of(unit, KIND[one.name]) for one in name if one.name in KIND):
-            return Heading(title, first, unit, index)
-    return Heading(title, label or title, None, index)
-
-
-def beside(part: str) -> str | None:
-    """Return the unit in brackets beside a name, with its factor; an amount of one stands to be refused."""
-    if (unit := unit_of(part)) is not None:
-        return unit
-    scaled = _LIKE_A_NUMBER.match(part) is not None or re.search(r"[x*\u00d7] ?\d+$", part) is not None
-    counted = COUNTED.fullmatch(part)
-    amount = counted is not None and unit_of(counted[2]) is not None
-    return part if (scaled and not part.isdigit() and is_unit(part)) or amount else None
-
-
-def _per_cent(title: str, index: int) -> Heading | None:
-    """Read a title with a per cent sign or word anywhere, where what stands before it is a strain: Strain (%GL)."""
-    match = _PER_CENT.fullmatch(title.replace("_", " ")) if len(title) <= 200 else None
-    if match is None or not match[1].strip():
-        return None
-    factor = re.search(r"%\s*[/x*]\s*\d+", title)
-    head = Heading(title, match[1].strip(" :;,_="), factor[0] if factor else "%", index)
-    found = meaning(replace(head, unit="%"))
-    return head if found is not None and KIND.get(found.name) == "dimensionless" else None
-
-
-def unread_unit(head: Heading) -> str | None:
-    """Return what stands in the place of a unit and is none: quux of Load (quux), but no remark (filtered)."""
-    if head.unit is not None:
-        return None if is_unit(head.unit) else head.unit
-    tail = _TAIL.search(head.title)
-    inner = (
-        [part.strip("[](){}<> ") for part in re.findall(r"[\[({<][^\[\](){}<>]*", tail[0])] if tail else []
-    )
-    return next((part for part in inner if not _is_remark(part)), None)
-
-
-def _is_remark(part: str) -> bool:
-    """Whether words in brackets are known ones, or as long as those of no unit."""
-    known = _mended() | _measures()
-    told = plain(part).split()
-    return all(
-        len(word) > 4 or word.isdigit() or _is_filler(word) or word in known or looked_up(word)
-        or setting(word) is not None for word in told
-    )  # fmt: skip
-
-
-def unit_of(text: str) -> str | None:
-    """Return ``text`` as a unit of ``hyperfab.io.unit_table``, or None where it is none.
-
-    >>> unit_of("Newton"), unit_of(" N/mm² "), unit_of("Mpa"), unit_of("Ch1")
-    ('N', 'N/mm²', 'MPa', None)
-    """
-    text = text.strip().rstrip(".").strip()
-    if not text or len(text) > 40:
-        return None
-    if _LIKE_A_NUMBER.match(text):  # a factor is one beside a title alone, in a cell it is a value
-        return text if text == "1" or (text.startswith("1/") and is_unit(text)) else None
-    if text == "mPa" or is_unit(text):
-        return text
-    if len(text) > 1 and text.isupper() and is_unit(text.lower()):  # EXTENSION (MM)
-        return text.lower()
-    text = _SQUARE.sub(r"\1^2", text)
-    if is_unit(text):
-        return text
-    if text.count("/") == 1:  # Kg/cm2
-        parts = [unit_of(part) for part in text.split("/")]
-        if all(parts):
-            return "/".join(map(str, parts))
-    return _UNIT_WORDS.get(plain(text))
-
-
 def meaning(head: Heading) -> Meaning | None:
     """Return what a column holds by its words and its unit, or None where neither is known.
 
+    >>> from hyperfab.io.titles import heading
     >>> meaning(heading("Standardkraft [N]", 0)), meaning(heading("Deformation [mm]", 0)).name
     (Meaning(name='force', axis='', compressive=False, rank=0), 'extension')
     """
-    label = plain(_remarks_out(head.label))
-    found = [replace(one, rank=0) for one in looked_up(label)]
+    label = plain(without_brackets(head.label))
+    found = list(looked_up(label))
     axis = ""
     match = None if found else re.fullmatch(r"(.*?) ?(11|22|xx|yy|[12xy])", label)
     if match and match[1] and (found := list(looked_up(match[1]))):
         axis = _AXES[match[2]]
     if not found:
-        core = " ".join(word for word in label.split() if word not in _mended() | _measures())
-        found = [replace(one, rank=0) for one in looked_up(core)] if core != label else []
+        core = " ".join(word for word in label.split() if word not in qualifiers())
+        found = list(looked_up(core))
     if not found:
         first, _, last = label.rpartition(" ")
         if last in ("nr", "no", "id", "num"):
@@ -262,14 +88,14 @@ def meaning(head: Heading) -> Meaning | None:
             if own and found and not own & {one.name for one in found}:
                 return None  # word and symbol gainsay each other: Extensometer L
     if not found:
-        core = " ".join(word for word in label.split() if not _is_filler(word))
+        core = " ".join(word for word in label.split() if not is_filler(word))
         found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
     group = re.fullmatch(r".*(?::|[^\W_]\.(?=[^\W\d]))(.+)", head.label)
     if not found and group:  # a group of channels before the one: Analog input: Force, Extensometer 1.ΔL
         behind = meaning(replace(head, label=group[1].strip()))
         return behind and replace(behind, rank=2)
     found = [replace(one, name=name) for one in found if (name := measured(one.name, head.title))]
-    fitting = [one for one in (_fitted(one, head.unit) for one in found) if one is not None]
+    fitting = [one for one in (in_unit(one, head.unit) for one in found) if one is not None]
     exact = [
         one
         for one in fitting
@@ -286,46 +112,7 @@ def meaning(head: Heading) -> Meaning | None:
     return replace(best, axis=axis or best.axis)
 
 
-def _is_filler(word: str) -> bool:
-    return word in _fillers() or _CHANNEL.fullmatch(word) is not None
-
-
-@cache
-def _fillers() -> frozenset[str]:
-    return words(heading_words.FILLERS)
-
-
-@cache
-def _mended() -> frozenset[str]:
-    return words(heading_words.MENDED)
-
-
-@cache
-def _measures() -> frozenset[str]:
-    return frozenset().union(
-        *(words(one) for table in heading_words.MEASURES.values() for one in table.values())
-    )
-
-
-def measured(name: str, title: str) -> str:
-    """Return a strain or stress by the measure that its title names beside it; nothing for one that is not read.
-
-    >>> measured("strain", "exx [1] - Lagrange"), measured("stress", "Spannung (wahr) [MPa]")
-    ('green strain', 'true stress')
-    """
-    beside = set(plain(title).split())
-    for measure, phrases in heading_words.MEASURES.get(name, {}).items():
-        if beside & words(phrases):
-            return measure
-    return name
-
-
-def is_unread(head: Heading) -> bool:
-    """Whether a title names a measure of strain or stress that is not read: no guess may take it for another."""
-    return any(measured(name, head.title) == "" for name in heading_words.MEASURES)
-
-
-def _fitted(found: Meaning, unit: str | None) -> Meaning | None:
+def in_unit(found: Meaning, unit: str | None) -> Meaning | None:
     """Return what words mean beside their unit; None where they cannot mean anything beside it."""
     kind = KIND.get(found.name)
     if unit is None or kind is None or is_of(unit, kind):
@@ -340,78 +127,9 @@ def _fitted(found: Meaning, unit: str | None) -> Meaning | None:
     return found  # the reader says which unit is due
 
 
-def is_known(label: str) -> bool:
-    """Whether a label is in the dictionary as it stands."""
-    return bool(looked_up(plain(label)))
-
-
-@cache
-def looked_up(label: str) -> tuple[Meaning, ...]:
-    """Return what the dictionary has for a label that ``plain`` made."""
-    if label in heading_words.COLUMNS:  # the contract's own names need no dictionary
-        return (Meaning(label),)
-    return _dictionary().get(label, ())
-
-
-@cache
-def _dictionary() -> dict[str, tuple[Meaning, ...]]:
-    found: dict[str, list[Meaning]] = {}
-    for name, phrases in heading_words.COLUMNS.items():
-        for phrase in words(phrases):
-            found.setdefault(phrase, []).append(Meaning(name))
-    for name, phrases in heading_words.COMPRESSIVE.items():
-        for phrase in words(phrases):
-            found.setdefault(phrase, []).append(Meaning(name, compressive=True))
-    for name, phrases in heading_words.ACROSS.items():
-        for phrase in words(phrases):
-            found.setdefault(phrase, []).append(Meaning(name, axis="2"))
-    for phrase in words(heading_words.ASIDE):
-        found.setdefault(phrase, []).append(Meaning("aside"))
-    return {phrase: tuple(ones) for phrase, ones in found.items()}
-
-
-@cache
-def setting(key: str) -> str | None:
-    """Return which setting a line above the table states, ``quiet`` for those that change nothing, None if unknown.
-
-    >>> setting("Probenbreite b0"), setting("Epaisseur"), setting("Operador")
-    ('width', 'thickness', None)
-    """
-    label = plain(_remarks_out(key))
-    for name, phrases in _settings().items():
-        if label in phrases:
-            return name
-    head, _, last = label.rpartition(" ")
-    return setting(head) if head and len(last) <= 2 else None
-
-
-@cache
-def _settings() -> dict[str, frozenset[str]]:
-    found = {name: words(phrases) for name, phrases in heading_words.SETTINGS.items()}
-    return {**found, "quiet": words(heading_words.QUIET)}
-
-
-@cache
-def word_for(text: str, table: str) -> str | None:
-    """Return the entry of ``heading_words.TESTS``, ``DIRECTIONS`` or ``BRANCHES`` that ``text`` is a word for."""
-    label = plain(text) if text.strip() not in ("+1", "-1") else text.strip()
-    entries: Mapping[str, str] = getattr(heading_words, table)
-    for name, phrases in entries.items():
-        if label in words(phrases) or label in (one.strip() for one in phrases.split(";")):
-            return name
-    return None
-
-
-def is_closing(text: str) -> bool:
-    """Whether a cell begins a row of means or the like."""
-    label = plain(text)
-    core = " ".join(word for word in label.split() if not word.isdigit())
-    return label in _closing() or core in _closing()
-
-
-@cache
-def _closing() -> frozenset[str]:
-    return words(heading_words.CLOSING)
+def is_unread(head: Heading) -> bool:
+    """Whether a title names a measure of strain or stress that is not read: no guess may take it for another."""
+    return any(measured(name, head.title) == "" for name in heading_words.MEASURES)
 
 
 def is_of(unit: str, kind: str) -> bool:
@@ -421,15 +139,6 @@ def is_of(unit: str, kind: str) -> bool:
     except UnitError:
         return False
     return True
-
-
-def _remarks_out(label: str) -> str:
-    return _GROUPS.sub(" ", label)
-
-
-def _bare(label: str) -> str:
-    """Return a label without remarks in brackets, colons and underscores at its ends."""
-    return " ".join(_TAIL.sub("", label).split()).strip(" :;,_=") or label.strip()
 
 
 def suffixed(head: Heading) -> Heading:

@@ -8,7 +8,7 @@ from typing import Literal
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import words
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import word_for
+from hyperfab.io.dictionary import word_for
 from hyperfab.io.named_tests import Named, is_pull, named_test, surest
 from hyperfab.io.role_words import no_stress, no_test
 from hyperfab.io.roles import STRESSES, Roles

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from hyperfab.io import heading_words
-from hyperfab.io.headings import plain, words
+from hyperfab.io.dictionary import plain, words
 
 #: What parts a title into words of a test and words of what is tested.
 _PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")

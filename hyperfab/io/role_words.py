@@ -7,22 +7,13 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 from hyperfab.errors import InputError
-from hyperfab.io.cells import is_number
+from hyperfab.io.cells import is_length, is_number, shape
+from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import (
-    KIND,
-    Heading,
-    Meaning,
-    heading,
-    is_of,
-    is_unread,
-    meaning,
-    measured,
-    unit_of,
-    unread_unit,
-)
+from hyperfab.io.dictionary import Meaning, measured
+from hyperfab.io.headings import KIND, Heading, is_of, is_unread, meaning
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
-from hyperfab.io.tables import is_length, shape
+from hyperfab.io.titles import heading, unit_of, unread_unit
 from hyperfab.io.units import is_unit
 
 #: Units to propose where a column has none.
@@ -144,6 +135,19 @@ def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:
         if one.heading.unit is None and KIND.get(one.name.removesuffix(" 2")) not in (None, "dimensionless")
     ]
     return sheet.option(entries)
+
+
+def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
+    """Return the error that a column lacks its unit, with an example of it and the option that gives it."""
+    name = column.name.removesuffix(" 2")
+    if (unit := unread_unit(column.heading)) is not None:
+        return other_unit(sheet, column.heading, unit, KIND[name], column.name)
+    return sheet.wrong(
+        "has no unit",
+        column.heading,
+        remedy=f'write it behind the name, as in "{example or f"{column.heading.title} [mm]"}", or say '
+        f"{unitless(sheet, [*roles.columns.values()])}",
+    )
 
 
 def _likely_unit(sheet: CsvSheet, column: Column) -> str:

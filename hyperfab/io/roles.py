@@ -10,16 +10,8 @@ import numpy as np
 
 from hyperfab.io.cells import is_number
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import (
-    KIND,
-    Heading,
-    Meaning,
-    is_of,
-    meaning,
-    plain,
-    suffixed,
-    word_for,
-)
+from hyperfab.io.dictionary import Meaning, plain, word_for
+from hyperfab.io.headings import KIND, Heading, is_of, meaning, suffixed
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (

@@ -15,10 +15,12 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, is_of, plain, word_for
+from hyperfab.io.dictionary import plain, word_for
+from hyperfab.io.headings import Heading, is_of
 from hyperfab.io.kinds_of_tests import names_of
+from hyperfab.io.role_words import no_unit
 from hyperfab.io.roles import Roles
-from hyperfab.io.specimen import Geometry, no_unit
+from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
 
 #: Words of a direction that mean another thing in a name.

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.headings import fold, heading, plain, setting, unit_of
+from hyperfab.io.dictionary import fold, plain, setting
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
+from hyperfab.io.titles import heading, unit_of
 
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")

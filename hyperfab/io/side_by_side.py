@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading, heading, meaning, plain, word_for
+from hyperfab.io.dictionary import plain, word_for
+from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import named
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.roles import (
@@ -23,6 +24,7 @@ from hyperfab.io.roles import (
     state_of,
 )
 from hyperfab.io.settings import Entry
+from hyperfab.io.titles import heading
 
 
 def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:

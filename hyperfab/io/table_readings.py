@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
-from hyperfab.io.headings import NUMBER_LIKE, Heading, is_closing, meaning, plain
+from hyperfab.io.dictionary import is_closing, plain
+from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import Layout
 from hyperfab.io.rows import SEPARATORS, Row
 from hyperfab.io.tables import Block, Fits, is_units, of_specimens
+from hyperfab.io.titles import NUMBER_LIKE
 
 
 def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:

@@ -10,24 +10,16 @@ from itertools import groupby
 
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_clock, is_number
-from hyperfab.io.headings import (
-    Heading,
-    heading,
-    is_closing,
-    meaning,
-    plain,
-    setting,
-    unit_of,
-    words,
-)
+from hyperfab.io.dictionary import is_closing, plain, setting, words
+from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 from hyperfab.io.settings import Entry, settings
+from hyperfab.io.titles import heading, unit_of
 
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
 
-_PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
@@ -180,39 +172,6 @@ def transposed(rows: Sequence[Row]) -> list[Row]:
         (line, [title for _, title, _ in taken]),
         *((line, list(cells)) for cells in zip(*columns, strict=True)),
     ]
-
-
-def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> str:
-    """Return the name that the first readings of a column of stretches suggest, and those of the ``stress`` beside.
-
-    What is called a stretch and begins at nothing is a strain, as a share however large. What is one where the stress
-    is least, and nowhere nothing, is a stretch that a compression began.
-    """
-    values = _values(cells)
-    if values and max(values) < 20.0 and (values[0] >= 0.9 or _is_one_at_rest(cells, stress)):
-        return "stretch"
-    percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
-    return "strain [%]" if percent else "strain [-]"
-
-
-def _is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
-    """Whether a column is above nothing throughout, and near one where the stress beside it is least."""
-    pairs = [
-        (abs(other), value)
-        for one, two in zip(cells, stress, strict=False)
-        for value, other in zip(_values([one]), _values([two]), strict=False)
-    ]
-    return bool(pairs) and min(value for _, value in pairs) > 0.0 and abs(min(pairs)[1] - 1.0) < 0.1
-
-
-def is_length(cells: Sequence[str]) -> bool:
-    """Whether a column begins with more than it changes by: a length itself, no change of one."""
-    values = _values(cells)
-    return bool(values) and values[0] > max(values) - min(values) > 0.0
-
-
-def _values(cells: Sequence[str]) -> list[float]:
-    return [float(cell.replace(",", ".")) for cell in cells if _PLAIN.fullmatch(cell)]
 
 
 def _joined(rows: Sequence[Row], place: int, upper: int | None, width: int) -> list[str]:

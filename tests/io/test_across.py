@@ -2,7 +2,8 @@
 
 import pytest
 
-from hyperfab.io.headings import heading, meaning
+from hyperfab.io.headings import meaning
+from hyperfab.io.titles import heading
 
 
 @pytest.mark.parametrize(

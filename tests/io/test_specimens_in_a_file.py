@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import shape
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import layout
 from hyperfab.io.specimen import Geometry
-from hyperfab.io.tables import shape
 
 STRAIN = np.linspace(0.0, 1.2, 13)
 PULLS = [gain * (1.0 - np.exp(-2.0 * STRAIN)) for gain in (1.0, 1.1, 0.95)]

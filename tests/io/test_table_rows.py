@@ -7,11 +7,12 @@ import re
 import pytest
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import shape
 from hyperfab.io.csv_tests import read_tests
 from hyperfab.io.layout import layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import dotted
-from hyperfab.io.tables import is_units, shape
+from hyperfab.io.tables import is_units
 from hyperfab.io.xlsx import _kind
 
 

@@ -1,0 +1,163 @@
+"""The words of headings and settings: how they are compared, and what the dictionary has for them."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from hyperfab.io import heading_words
+
+#: Brackets of any kind and what stands in them.
+BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
+_GREEK = str.maketrans(
+    {"ε": "epsilon", "ϵ": "epsilon", "σ": "sigma", "λ": "lambda", "τ": "tau", "γ": "gamma",
+        "Δ": "delta ", "δ": "delta ", "∆": "delta "}
+)  # fmt: skip
+#: A channel's own name, before or behind what it records: ai0, E1, CH02, Dev1.
+_CHANNEL = re.compile(r"[a-z]{1,4}\d{1,2}")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column holds: a ``name`` of ``heading_words.COLUMNS`` or ``aside``, and along which axis of the sheet.
+
+    ``axis`` is 1, 2, x or y, or nothing where the heading tells none; ``compressive`` columns count pushing as
+    positive. Of two columns of one name that of the lower ``rank`` is the better told.
+    """
+
+    name: str
+    axis: str = ""
+    compressive: bool = False
+    rank: int = 0
+
+
+def fold(text: str) -> str:
+    """Return a name as it is compared: lower case, single spaces for ``_`` and ``-``.
+
+    >>> fold("Gauge_Length ")
+    'gauge length'
+    """
+    return " ".join(text.casefold().replace("_", " ").replace("-", " ").split())
+
+
+@cache
+def plain(text: str) -> str:
+    """Return words as they are looked up: lower case, without accents, punctuation as spaces.
+
+    >>> plain("Längenänderung ΔL"), plain("Déformation_(nominale)")
+    ('langenanderung delta l', 'deformation nominale')
+    """
+    text = unicodedata.normalize("NFKD", text[:120].translate(_GREEK).casefold().translate(_GREEK))
+    kept = (mark for mark in text if not unicodedata.combining(mark))
+    return " ".join("".join(mark if mark.isalnum() else " " for mark in kept).split())
+
+
+def words(text: str) -> frozenset[str]:
+    """Return the phrases of a list that semicolons part, as they are looked up."""
+    return frozenset(plain(one) for one in text.split(";")) - {""}
+
+
+@cache
+def looked_up(label: str) -> tuple[Meaning, ...]:
+    """Return what the dictionary has for a label that ``plain`` made."""
+    if label in heading_words.COLUMNS:  # the contract's own names need no dictionary
+        return (Meaning(label),)
+    return _dictionary().get(label, ())
+
+
+@cache
+def _dictionary() -> dict[str, tuple[Meaning, ...]]:
+    found: dict[str, list[Meaning]] = {}
+    told = [(Meaning(name), phrases) for name, phrases in heading_words.COLUMNS.items()]
+    told += [(Meaning(name, compressive=True), one) for name, one in heading_words.COMPRESSIVE.items()]
+    told += [(Meaning(name, axis="2"), one) for name, one in heading_words.ACROSS.items()]
+    for one, phrases in [*told, (Meaning("aside"), heading_words.ASIDE)]:
+        for phrase in words(phrases):
+            found.setdefault(phrase, []).append(one)
+    return {phrase: tuple(ones) for phrase, ones in found.items()}
+
+
+def is_known(label: str) -> bool:
+    """Whether a label is in the dictionary as it stands."""
+    return bool(looked_up(plain(label)))
+
+
+def measured(name: str, title: str) -> str:
+    """Return a strain or stress by the measure that its title names beside it; nothing for one that is not read.
+
+    >>> measured("strain", "exx [1] - Lagrange"), measured("stress", "Spannung (wahr) [MPa]")
+    ('green strain', 'true stress')
+    """
+    beside = set(plain(title).split())
+    for measure, phrases in heading_words.MEASURES.get(name, {}).items():
+        if beside & words(phrases):
+            return measure
+    return name
+
+
+def is_filler(word: str) -> bool:
+    """Whether a word beside the name of a channel changes nothing."""
+    return word in _fillers() or _CHANNEL.fullmatch(word) is not None
+
+
+@cache
+def _fillers() -> frozenset[str]:
+    return words(heading_words.FILLERS)
+
+
+@cache
+def qualifiers() -> frozenset[str]:
+    """Return the words that tell a second reading of a quantity, or the measure of a strain or stress."""
+    measures = [one for table in heading_words.MEASURES.values() for one in table.values()]
+    return frozenset().union(*map(words, [heading_words.MENDED, *measures]))
+
+
+@cache
+def setting(key: str) -> str | None:
+    """Return which setting a line above the table states, ``quiet`` for those that change nothing, None if unknown.
+
+    >>> setting("Probenbreite b0"), setting("Epaisseur"), setting("Operador")
+    ('width', 'thickness', None)
+    """
+    label = plain(without_brackets(key))
+    for name, phrases in _settings().items():
+        if label in phrases:
+            return name
+    head, _, last = label.rpartition(" ")
+    return setting(head) if head and len(last) <= 2 else None
+
+
+@cache
+def _settings() -> dict[str, frozenset[str]]:
+    found = {name: words(phrases) for name, phrases in heading_words.SETTINGS.items()}
+    return {**found, "quiet": words(heading_words.QUIET)}
+
+
+@cache
+def word_for(text: str, table: str) -> str | None:
+    """Return the entry of ``heading_words.TESTS``, ``DIRECTIONS`` or ``BRANCHES`` that ``text`` is a word for."""
+    label = plain(text) if text.strip() not in ("+1", "-1") else text.strip()
+    entries: Mapping[str, str] = getattr(heading_words, table)
+    for name, phrases in entries.items():
+        if label in words(phrases) or label in (one.strip() for one in phrases.split(";")):
+            return name
+    return None
+
+
+def is_closing(text: str) -> bool:
+    """Whether a cell begins a row of means or the like."""
+    label = plain(text)
+    core = " ".join(word for word in label.split() if not word.isdigit())
+    return label in _closing() or core in _closing()
+
+
+@cache
+def _closing() -> frozenset[str]:
+    return words(heading_words.CLOSING)
+
+
+def without_brackets(label: str) -> str:
+    return BRACKETS.sub(" ", label)
