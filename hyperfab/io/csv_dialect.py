@@ -10,8 +10,9 @@ from dataclasses import replace
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number, shape
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import fold, is_closing, setting
+from hyperfab.io.dictionary import Meaning, fold, is_closing, setting
 from hyperfab.io.encoding import decode
+from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
@@ -30,7 +31,7 @@ from hyperfab.io.tables import (
     understood,
     with_units,
 )
-from hyperfab.io.titles import heading, unit_of
+from hyperfab.io.titles import heading, unit_behind
 from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.
@@ -324,8 +325,9 @@ def _sheet(
         else [list(cells) for cells in zip(*(cells for _, cells in block.rows), strict=True)]
     )
     heads = list(block.headings)
+    lines = block.lines or [line for line, _ in block.rows]
     for index, cells in enumerate(columns[: len(heads)]):
-        unit = _unit_in(cells)
+        unit = _unit_in(cells, heads[index], lines, name)
         if unit is not None and heads[index].unit in (None, unit):
             heads[index] = replace(heads[index], unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
@@ -335,7 +337,7 @@ def _sheet(
         tuple(heads),
         block.head_line,
         tuple(columns[: len(block.headings)]),
-        block.lines or [line for line, _ in block.rows],
+        lines,
         everything,
         dict(block.left_out),
         tuple(dict.fromkeys(block.words)),
@@ -350,9 +352,18 @@ def _has_comma(cells: Sequence[str]) -> bool:
     return any("," in cell and is_number(cell) for cell in cells[:50])
 
 
-def _unit_in(cells: Sequence[str]) -> str | None:
-    """Return the unit that stands behind every number of a column, as in 0.5 MPa; per cent is read with the number."""
-    match = re.fullmatch(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\d\s.,%].*)", cells[0]) if cells else None
-    if match is None or unit_of(match[1]) is None:
-        return None
-    return match[1] if all(cell.endswith(match[1]) for cell in cells) else None
+def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int], name: str) -> str | None:
+    """Return the unit that stands behind every number of a column, as in 0.5 MPa; InputError where there are two."""
+    unit = unit_behind(cells[0]) if cells else None
+    if unit is None or all(cell.endswith(unit) for cell in cells):
+        return unit
+    other = next((row for row, cell in enumerate(cells) if unit_behind(cell) not in (None, unit)), None)
+    if other is not None and meaning(head) not in (None, Meaning("aside")):
+        raise InputError(
+            f"{cells[0]} is in another unit than {cells[other]} in line {lines[other]}",
+            file=name,
+            line=lines[0],
+            column=head.title,
+            remedy="export the column in one unit",
+        )
+    return None

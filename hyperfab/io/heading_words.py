@@ -53,7 +53,8 @@ COLUMNS: dict[str, str] = {
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
         verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
         vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma""",
-    "true strain": """true strain; log strain; logarithmic strain; hencky strain; hencky; wahre dehnung;
+    "true strain": """true strain; epsilon t; epsilont; eps t; epst;
+        log strain; logarithmic strain; hencky strain; hencky; wahre dehnung;
         logarithmische dehnung; umformgrad; deformacion verdadera; deformacion logaritmica; deformacion real;
         deformation vraie; deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao
         verdadeira; deformacao logaritmica""",
@@ -269,6 +270,8 @@ BRANCHES: dict[str, str] = {
     "unload": """unload; unloading; down; back; return; recovery; entlastung; entlasten; ruck; ruckweg; descarga;
         decharge; retour; scarico; ritorno; descida; -1""",
 }
+#: Those of the words below that a specimen may be called by: a size, a letter, a first name.
+NAMES = "s; n; max"
 #: Words that begin a closing row of a table of readings.
 CLOSING = """mean; mw; vk; s; xbar; average; avg; sd; std; stdev; std dev; stddev; standard deviation; s d; cv;
     c v; cov; coefficient

@@ -146,6 +146,8 @@ def suffixed(head: Heading) -> Heading:
     parts = head.title.split("_")
     for cut in range(1, len(parts)):
         unit = "/".join(parts[cut:])
-        if head.unit is None and unit and not unit.isdigit() and is_unit(unit):
+        if head.unit is not None or not unit or unit.isdigit() or is_known(head.title):  # eps_t is no tonne
+            continue
+        if is_unit(unit) and (not parts[cut].isdigit() or is_of(unit, "rate")):  # rate_1_s, but force_1_N
             return Heading(head.title, "_".join(parts[:cut]), unit, head.index)
     return head

@@ -41,6 +41,8 @@ _STATES = (
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
+#: A strain that the letter t tells to be true, where no other strain has a letter.
+_BY_T = ("epsilon t", "epsilont", "eps t", "epst")
 #: A specimen's number or letter behind what a column holds.
 _LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")
 
@@ -160,10 +162,25 @@ def roles(sheet: CsvSheet) -> Roles:
         made = head if meaning(head) is what or head.unit is not None else suffixed(head)
         key = what.name + {"2": " 2", "x": " x", "y": " y"}.get(what.axis, "")
         found.setdefault(key, []).append((what.rank, Column(key, made, what.compressive)))
+    _by_the_letter_t(sheet, found, aside)
     _never_read(sheet, found, aside)
     _still_out(sheet, found, aside)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
     return Roles(_axes(sheet, columns), tuple(aside))
+
+
+def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+    """Take sigma_t beside a true strain for a true stress; epsilon_t beside another epsilon may be across the pull."""
+    lettered = [one for one in found.get("true strain", []) if plain(one[1].heading.label) in _BY_T]
+    others = [head for head in sheet.headings if plain(head.label).startswith("eps")]
+    if lettered and len(others) > 1:
+        found["true strain"] = [one for one in found["true strain"] if one not in lettered]
+        aside.extend(one.heading.title for _, one in lettered)
+    if found.get("true strain"):
+        for rank, one in list(found.get("stress", [])):
+            if rank >= 0 and plain(one.heading.label) in ("sigma t", "sigmat"):
+                found["stress"].remove((rank, one))
+                found.setdefault("true stress", []).append((rank, replace(one, name="true stress")))
 
 
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:

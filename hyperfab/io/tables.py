@@ -11,11 +11,12 @@ from itertools import groupby
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_clock, is_number
 from hyperfab.io.dictionary import is_closing, plain, setting, words
+from hyperfab.io.heading_words import NAMES
 from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 from hyperfab.io.settings import Entry, settings
-from hyperfab.io.titles import heading, unit_of
+from hyperfab.io.titles import heading, unit_behind, unit_of
 
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
@@ -57,17 +58,27 @@ def is_data(cells: Sequence[str], named: bool = False) -> bool:
     return numbers >= 2 and (named or not is_closing(next(filter(None, cells), "")))
 
 
+def _is_amounts(cells: Sequence[str]) -> bool:
+    """Whether a row holds numbers and nothing but their units behind them, as 12.5 N: readings, or titles."""
+    filled = [cell for cell in cells if cell]
+    return len(filled) > 1 and all(is_number(cell) or unit_behind(cell) is not None for cell in filled)
+
+
 def of_specimens(rows: Sequence[Row]) -> frozenset[int]:
     """Return the rows that begin as closing ones do, as S or Max, row after row: a mean is one row, a specimen many.
+
+    Two rows are a specimen under a name that one may have, beside another of two rows.
 
     >>> sorted(of_specimens([(k, [name, "1", "2"]) for k, name in enumerate(["S", "S", "S", "Max", "Mean", "S"])]))
     [0, 1, 2]
     """
     found: set[int] = set()
     place = 0
-    for first, run in groupby(next(filter(None, cells), "") for _, cells in rows):
-        count = sum(1 for _ in run)
-        if count >= _RUN and is_closing(first):
+    firsts = groupby(next(filter(None, cells), "") for _, cells in rows)
+    runs = [("", 0), *((first, sum(1 for _ in run)) for first, run in firsts), ("", 0)]
+    for (_, before), (first, count), (_, after) in zip(runs, runs[1:], runs[2:], strict=False):
+        pair = count == 2 in (before, after) and plain(first) in words(NAMES)
+        if (count >= _RUN or pair) and is_closing(first):
             found.update(range(place, place + count))
         place += count
     return frozenset(found)
@@ -83,6 +94,11 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     """Return the tables among ``rows`` whose headings fit, each with what stands above it; empty where none does."""
     named = of_specimens(rows)
     data = [is_data(cells, k in named) for k, (_, cells) in enumerate(rows)]
+    amounts = [not one and _is_amounts(cells) for one, (_, cells) in zip(data, rows, strict=True)]
+    # Row after row: titles, as 10 mm/min over one specimen and 20 mm/min over the next, stand in one.
+    data = [
+        one or (amounts[k] and any(amounts[k - 1 : k] + amounts[k + 1 : k + 2])) for k, one in enumerate(data)
+    ]
     starts = [k for k in range(len(rows)) if data[k] and (k == 0 or not data[k - 1])]
     found: list[Block] = []
     heads: list[tuple[int, int]] = []  # first row of the head, first row of data

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 
 from hyperfab.io.dictionary import BRACKETS, is_filler, is_known, looked_up, plain, qualifiers, setting
 from hyperfab.io.headings import KIND, Heading, in_unit, is_of, meaning
@@ -14,6 +15,8 @@ NUMBER_LIKE = re.compile(r"[+-]?[.,]?\d[\d.,eE+-]*", re.ASCII)
 _TAIL = re.compile(r"(?:\s*(?:\[[^\[\]]*\]|\([^()]*\)|\{[^{}]*\}|<[^<>]*>))+\s*$")
 _SQUARE = re.compile(r"\bsq\b[. ]*([a-z]+)", re.IGNORECASE)
 _LIKE_A_NUMBER = re.compile(r"[x*\u00d7] ?\d|\d")
+#: A number and what stands behind it: 12.5 N; per cent is read with the number.
+_AMOUNT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?\s*([^\d\s.,%].*)")
 #: An amount in a unit, in the place of one: Load (100 N).
 COUNTED = re.compile(r"([\d.,]*\d) ?(?![\d.,])(\D.*)")
 #: Per cent in a title, by its sign or a word, and what stands before it.
@@ -121,6 +124,13 @@ def _is_remark(part: str) -> bool:
     )  # fmt: skip
 
 
+def unit_behind(cell: str) -> str | None:
+    """Return the unit that stands behind the number of a cell, as in 0.5 MPa, or None."""
+    match = _AMOUNT.fullmatch(cell)
+    return match[1] if match and unit_of(match[1]) is not None else None
+
+
+@cache
 def unit_of(text: str) -> str | None:
     """Return ``text`` as a unit of ``hyperfab.io.unit_table``, or None where it is none.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from hyperfab.errors import InputError
@@ -141,3 +142,51 @@ def test_a_stretch_in_per_cent_that_is_a_strain_is_one_in_per_cent() -> None:
 def test_what_may_or_may_not_be_the_unit_of_a_strain_is_asked_for(head: str) -> None:
     with pytest.raises(InputError, match="is no unit that is known"):
         strained(head)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Extension,Load\n10 mm,2 N\n20 mm,4 N\n",
+        "Extension\tLoad\n10mm\t2N\n20mm\t4N\n",
+        "Extension;Load\n10,0 mm;2,0 N\n20,0 mm;4,0 N\n",
+        "Extension,Load [N]\n1 cm,2\n2 cm,4\n",
+    ],
+)
+def test_units_in_cells_are_read_below_a_preamble(text: str) -> None:
+    mark = ";" if ";" in text else "\t" if "\t" in text else ","
+    sizes = [("Batch", f"7{mark}8"), ("Width", "50 mm"), ("Thickness", "0.8 mm"), ("Gauge length", "100 mm")]
+    above = "Tensile test\n" + "".join(f"{name}{mark}{value}\n" for name, value in sizes)
+    [found] = read_tests((above + text).encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2])
+    assert found.stress.tolist() == pytest.approx([0.05, 0.1])
+
+
+def test_a_column_in_two_units_is_told_by_both_lines() -> None:
+    text = "Tensile test\nGauge length,100 mm\nWidth,50 mm\nExtension,Load,Remark\n1 mm,702 mN,5 N\n2 mm,1.4 N,3 mm\n"
+    with pytest.raises(
+        InputError, match=r'line 5, column "Load": 702 mN is in another unit than 1.4 N in line 6'
+    ):
+        read_tests(text.encode(), "a.csv")
+    [found] = read_tests(text.replace("702 mN", "0.7 N").encode(), "a.csv")
+    assert found.stress.tolist() == pytest.approx([0.014, 0.028])
+
+
+@pytest.mark.parametrize(
+    "strain", ["ε_t", "εt", "eps_t", "ε_T", "ε_t [%]", "e_true", "eps_true", "ε_ln", "ln_strain"]
+)
+@pytest.mark.parametrize("stress", ["σ_t [MPa]", "sigma_true [MPa]"])
+def test_a_letter_of_a_true_strain_makes_the_stress_beside_it_true(strain: str, stress: str) -> None:
+    many = 100.0 if "%" in strain else 1.0
+    rows = "".join(f"{many * np.log(one)},{one * 0.2}\n" for one in (1.1, 1.6))
+    [found] = read_tests(f"# test: uniaxial\n{strain},{stress}\n{rows}".encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.6])
+    assert found.stress.tolist() == pytest.approx([0.2, 0.2])
+
+
+def test_a_strain_of_the_letter_t_beside_another_may_be_across() -> None:
+    rows = "0.1,-0.05,0.2\n0.2,-0.09,0.4\n"
+    [found] = read_tests(f"# test: uniaxial\nε_eng,ε_t,σ_t [MPa]\n{rows}".encode(), "a.csv")
+    assert (found.stretch.tolist(), found.stress.tolist()) == ([1.1, 1.2], [0.2, 0.4])
+    with pytest.raises(InputError, match="no column gives a stretch"):
+        read_tests(f"# test: uniaxial\nε_l [-],ε_t [-],σ [MPa]\n{rows}".encode(), "a.csv")

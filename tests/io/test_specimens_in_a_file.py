@@ -333,3 +333,16 @@ def test_a_specimen_called_as_a_closing_row_is_begins_is_read(name: str, preambl
         ("A 1", [0.1, 0.2, 0.3, 0.4]), (name, [0.1, 0.2, 0.3, 0.4])
     ]  # fmt: skip
     assert set(found[0].left_out) == {"closing row, no reading"}
+
+
+@pytest.mark.parametrize("names", [("S", "M", "L"), ("M", "S", "L"), ("Anna", "Max"), ("M", "N")])
+def test_specimens_of_two_rows_may_be_called_as_closing_rows_begin(names: tuple[str, ...]) -> None:
+    rows = "".join(f"{name},{strain},{strain / 100}\n" for name in names for strain in (20, 40))
+    found = read_tests(f"# test: uniaxial\nSample,Strain (%),Stress (MPa)\n{rows}".encode(), "a.csv")
+    assert [part.specimen for part in found] == list(names)
+
+
+def test_two_closing_rows_below_longer_specimens_stay_closing_rows() -> None:
+    rows = "A,20,0.1\nA,40,0.2\nA,60,0.3\nMean,40,0.2\nMean,50,0.3\nMax,60,0.3\n"
+    [found] = read_tests(f"# test: uniaxial\nSample,Strain (%),Stress (MPa)\n{rows}".encode(), "a.csv")
+    assert (len(found.stretch), found.left_out) == (3, {"closing row, no reading": 3})
