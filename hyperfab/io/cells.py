@@ -37,7 +37,7 @@ def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> 
     What is called a stretch and begins at nothing is a strain, as a share however large. What is one where the stress
     is least, and nowhere nothing, is a stretch that a compression began.
     """
-    values = _values(cells)
+    values = plain_values(cells)
     if values and max(values) < 20.0 and (values[0] >= 0.9 or _is_one_at_rest(cells, stress)):
         return "stretch"
     percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
@@ -49,16 +49,17 @@ def _is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
     pairs = [
         (abs(other), value)
         for one, two in zip(cells, stress, strict=False)
-        for value, other in zip(_values([one]), _values([two]), strict=False)
+        for value, other in zip(plain_values([one]), plain_values([two]), strict=False)
     ]
     return bool(pairs) and min(value for _, value in pairs) > 0.0 and abs(min(pairs)[1] - 1.0) < 0.1
 
 
 def is_length(cells: Sequence[str]) -> bool:
     """Whether a column begins with more than it changes by: a length itself, no change of one."""
-    values = _values(cells)
+    values = plain_values(cells)
     return bool(values) and values[0] > max(values) - min(values) > 0.0
 
 
-def _values(cells: Sequence[str]) -> list[float]:
+def plain_values(cells: Sequence[str]) -> list[float]:
+    """Return the numbers of a column that have no thousands separator, whichever their decimal mark."""
     return [float(cell.replace(",", ".")) for cell in cells if _PLAIN.fullmatch(cell)]

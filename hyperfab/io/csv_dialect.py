@@ -10,14 +10,14 @@ from dataclasses import replace
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number, shape
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, fold, is_closing, setting
+from hyperfab.io.dictionary import Meaning, is_closing
 from hyperfab.io.encoding import decode
 from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
-from hyperfab.io.settings import Entry, settings
-from hyperfab.io.table_readings import readings
+from hyperfab.io.settings import Entry, entry_of, settings
+from hyperfab.io.table_readings import keep_readings
 from hyperfab.io.tables import (
     Block,
     Fits,
@@ -69,24 +69,24 @@ def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> l
     separator = separator or _separator([text for _, text in body[:21]])
     first = _first_table(body, separator, name, fits, layout)
     if first is not None:
-        return [_sheet(block, name, separator, metadata, fits, layout) for block in first]
+        return [_sheet(block, name, separator, metadata, layout) for block in first]
     marks = [given] if given else list(SEPARATORS)
     if len(body) > 2 * _WINDOW:
         told = best((mark, find(_rows(body[:_WINDOW], mark, name), fits, layout)) for mark in marks)
         if told is not None:
             marks, long = [told[0]], _long(body, *told, name)
             if long is not None:
-                return [_sheet(long, name, told[0], metadata, fits, layout)]
+                return [_sheet(long, name, told[0], metadata, layout)]
     chosen = best((mark, find(_rows(body, mark, name), fits, layout)) for mark in marks)
     if chosen is None:
         # Rows for columns: a quantity a line.
         chosen = best((mark, find(transposed(_rows(body, mark, name)), fits, layout)) for mark in SEPARATORS)
     if chosen is None:
-        return [_sheet(_plain(body, separator, name, layout), name, separator, metadata, fits, layout)]
+        return [_sheet(_plain(body, separator, name, layout), name, separator, metadata, layout)]
     separator, blocks = chosen
     if layout.skip_rows is not None:
         blocks = blocks[:1]
-    return [_sheet(block, name, separator, metadata, fits, layout) for block in understood(blocks, name)]
+    return [_sheet(block, name, separator, metadata, layout) for block in understood(blocks, name)]
 
 
 def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True) -> CsvSheet:
@@ -103,25 +103,26 @@ def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lamb
 
 def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout: Layout) -> list[CsvSheet]:
     found: list[CsvSheet] = []
-    for title, rows in worksheets(data, name, picked):
+    titles = worksheets(data, name, picked)
+
+    def sheet(title: str, block: Block) -> CsvSheet:
+        return replace(_sheet(block, name if picked else f"{name}:{title}", "cell", {}, layout), label=title)
+
+    for title, rows in titles:
         skipped = [row for row in rows if row[0] > (layout.skip_rows or 0) and any(row[1])]
         blocks = find(skipped, fits, layout)
         blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks, f"{name}:{title}")
-        full = name if picked else f"{name}:{title}"
-        found += [replace(_sheet(block, full, "cell", {}, fits, layout), label=title) for block in blocks]
+        found += [sheet(title, block) for block in blocks]
     if not found:  # the only table there is: its columns are then named in the message
         tables = [
             (title, block)
-            for title, rows in worksheets(data, name, picked)
+            for title, rows in titles
             for block in find([row for row in rows if any(row[1])], lambda heads: len(heads) > 1, layout)
         ]
         if len(tables) == 1:
-            [(title, block)] = tables
-            full = name if picked else f"{name}:{title}"
-            return [replace(_sheet(block, full, "cell", {}, fits, layout), label=title)]
-    heads = {tuple(one.title for one in sheet.headings) for sheet in found}
-    if len(heads) > 1 or not found:
-        names = [title for title, _ in worksheets(data, name, picked)]
+            return [sheet(*tables[0])]
+    if len({tuple(one.title for one in part.headings) for part in found}) != 1:
+        names = [title for title, _ in titles]
         raise InputError(
             "has tables of different columns on its sheets"
             if found
@@ -154,10 +155,8 @@ def _comments(
             if colon and not body:
                 one = heading(key.strip(), 0)  # also "# width [mm]: 25"
                 stated = f"{value.strip()} {one.unit}" if one.unit else value.strip()
-                known = setting(one.label)
-                name = fold(one.label) if known in (None, "quiet") else known
-                sure = name == fold(one.label)
-                metadata.setdefault(name, []).append(Entry(stated, number, sure))
+                name, entry = entry_of(one.label, stated, number, own=True)
+                metadata.setdefault(name, []).append(entry)
             elif not body:
                 comment = (number, stripped.lstrip("#"))
                 if len(comment[1].split()) <= _WORDS and kind_named(comment[1]) is not None:
@@ -215,15 +214,22 @@ def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block], name
         return None
     block, first = blocks[0], blocks[0].rows[0][0]
     rest = [(number, text) for number, text in body if number >= first]
-    if len(rest) * len(block.headings) > MAX_CELLS:
+    return block if _fill(block, rest, separator, name) else None
+
+
+def _fill(block: Block, rows: list[tuple[int, str]], separator: str, name: str) -> bool:
+    """Give a block the columns of its rows where they are plain throughout, and return whether they are."""
+    if len(rows) * len(block.headings) > MAX_CELLS:
         raise InputError(
             f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels"
         )
-    columns = uniform([text for _, text in rest], separator, len(block.headings))
+    columns = (
+        uniform([text for _, text in rows], separator, len(block.headings)) if len(rows) > _WINDOW else None
+    )
     if columns is None or not all(map(_plain_column, columns)):
-        return None
-    block.columns, block.lines = columns, [number for number, _ in rest]
-    return block
+        return False
+    block.columns, block.lines = columns, [number for number, _ in rows]
+    return True
 
 
 def _first_table(
@@ -242,20 +248,12 @@ def _first_table(
         heads, start = with_units(heads, cells, body[1][0], name), 2
     if not fits(heads):
         return None
-    block = Block(line, heads)
+    block = Block(line, heads, head=[(line, titles)])
     rest = body[start:]
     if not rest:
         raise InputError("has a header but no rows", file=name, line=line, remedy="export the readings too")
-    if len(rest) * len(heads) > MAX_CELLS:
-        raise InputError(
-            f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels"
-        )
-    if len(rest) > _WINDOW:
-        columns = uniform([one for _, one in rest], separator, len(heads))
-        if columns is not None and all(map(_plain_column, columns)):
-            block.columns = columns
-            block.lines = [number for number, _ in rest]
-            return [block]
+    if _fill(block, rest, separator, name):
+        return [block]
     block.rows = [(number, split(one, separator, name, number)) for number, one in rest]
     for row, (_, cells) in enumerate(block.rows):
         # Words in mid-table that are a head of their own: another specimen follows.
@@ -307,14 +305,14 @@ def _headless(rows: list[Row], name: str) -> InputError:
 
 
 def _sheet(
-    block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], fits: Fits, layout: Layout
+    block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], layout: Layout
 ) -> CsvSheet:
     """Return a block as a sheet, its rows judged one by one."""
+    if block.columns is None:
+        keep_readings(block, name, separator)
     everything: dict[str, list[Entry]] = {key: list(entries) for key, entries in metadata.items()}
     for key, entries in block.metadata.items():
         everything.setdefault(key, []).extend(entries)
-    if block.columns is None:
-        [block] = readings(block, fits, name, separator, layout)
     if block.columns is None and not block.rows:
         raise InputError(
             "has a header but no rows", file=name, line=block.head_line, remedy="export the readings too"
@@ -328,7 +326,7 @@ def _sheet(
     lines = block.lines or [line for line, _ in block.rows]
     for index, cells in enumerate(columns[: len(heads)]):
         unit = _unit_in(cells, heads[index], lines, name)
-        if unit is not None and heads[index].unit in (None, unit):
+        if unit is not None:
             heads[index] = replace(heads[index], unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
     return CsvSheet(
@@ -355,15 +353,16 @@ def _has_comma(cells: Sequence[str]) -> bool:
 def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int], name: str) -> str | None:
     """Return the unit that stands behind every number of a column, as in 0.5 MPa; InputError where there are two."""
     unit = unit_behind(cells[0]) if cells else None
-    if unit is None or all(cell.endswith(unit) for cell in cells):
+    if unit is None or (head.unit in (None, unit) and all(cell.endswith(unit) for cell in cells)):
         return unit
     other = next((row for row, cell in enumerate(cells) if unit_behind(cell) not in (None, unit)), None)
-    if other is not None and meaning(head) not in (None, Meaning("aside")):
-        raise InputError(
-            f"{cells[0]} is in another unit than {cells[other]} in line {lines[other]}",
-            file=name,
-            line=lines[0],
-            column=head.title,
-            remedy="export the column in one unit",
-        )
-    return None
+    if meaning(head) in (None, Meaning("aside")) or (other is None and head.unit in (None, unit)):
+        return None
+    than = "the head" if other is None else f"{cells[other]} in line {lines[other]}"
+    raise InputError(
+        f"{cells[0]} is in another unit than {than}",
+        file=name,
+        line=lines[0],
+        column=head.title,
+        remedy="export the column in one unit",
+    )

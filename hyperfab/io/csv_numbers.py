@@ -321,8 +321,3 @@ def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int)
     return sheet.wrong(
         f"{shown or 'the cell'} {what}", heading, row=row, remedy="correct the cell or delete the row"
     )
-
-
-def words(sheet: CsvSheet, heading: Heading) -> Sequence[str]:
-    """Return the cells under ``heading`` as they are written."""
-    return sheet.columns[heading.index]

@@ -98,10 +98,10 @@ class CsvSheet:
     def without(self, rows: Sequence[int], reason: str) -> CsvSheet:
         """Return the sheet less some rows, counted under ``reason``."""
         gone = set(rows)
-        keep = [row for row in range(len(self.lines)) if row not in gone]
-        return replace(
-            self,
-            columns=tuple([cells[row] for row in keep] for cells in self.columns),
-            lines=[self.lines[row] for row in keep],
-            left_out={**self.left_out, reason: self.left_out.get(reason, 0) + len(gone)},
-        )
+        kept = self.of_rows([row for row in range(len(self.lines)) if row not in gone])
+        return replace(kept, left_out={**self.left_out, reason: self.left_out.get(reason, 0) + len(gone)})
+
+    def of_rows(self, rows: Sequence[int]) -> CsvSheet:
+        """Return the sheet with some rows alone."""
+        columns = tuple([cells[row] for row in rows] for cells in self.columns)
+        return replace(self, columns=columns, lines=[self.lines[row] for row in rows])

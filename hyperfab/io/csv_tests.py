@@ -25,6 +25,7 @@ from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.side_by_side import may_be_specimens, specimens
+from hyperfab.io.sizes_of_rows import parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
@@ -80,7 +81,7 @@ def read_tests(
         parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
         if kind is None and len(parts) == 1 and may_be_specimens(sheet):
             raise no_test(sheet, TESTS)
-        sheets += parts
+        sheets += [one for part in parts for one in parted_by_sizes(part)]
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
         found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)

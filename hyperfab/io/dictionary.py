@@ -115,19 +115,40 @@ def qualifiers() -> frozenset[str]:
     return frozenset().union(*map(words, [heading_words.MENDED, *measures]))
 
 
-@cache
 def setting(key: str) -> str | None:
     """Return which setting a line above the table states, ``quiet`` for those that change nothing, None if unknown.
 
     >>> setting("Probenbreite b0"), setting("Epaisseur"), setting("Operador")
     ('width', 'thickness', None)
     """
+    return setting_along(key)[0]
+
+
+@cache
+def setting_along(key: str) -> tuple[str | None, str]:
+    """Return a setting, and the axis, 1 or 2, that is told behind its name, or nothing.
+
+    >>> setting_along("Width Y"), setting_along("Gauge length warp"), setting_along("Width w")
+    (('width', '2'), ('gauge length', '1'), ('width', ''))
+    """
     label = plain(without_brackets(key))
     for name, phrases in _settings().items():
         if label in phrases:
-            return name
+            return name, ""
     head, _, last = label.rpartition(" ")
-    return setting(head) if head and len(last) <= 2 else None
+    axis = axis_of(last)
+    if not head or not (axis or len(last) <= 2):
+        return None, ""
+    found = setting(head)
+    if len(last) > 2 and found not in ("width", "gauge length", "grip distance"):
+        return None, ""
+    return found, axis
+
+
+def axis_of(word: str) -> str:
+    """Return the axis of a biaxial test, 1 or 2, that a number, a letter or the word of a direction stands for."""
+    named = {"warp": "1", "weft": "2", "x": "1", "y": "2", "1": "1", "2": "2"}
+    return named.get(word_for(word, "DIRECTIONS") or word.casefold(), "")
 
 
 @cache

@@ -175,7 +175,8 @@ MEASURES: dict[str, dict[str, str]] = {
 
 #: Settings that stand above a table.
 SETTINGS: dict[str, str] = {
-    "width": """width; specimen width; sample width; strip width; initial width; breite; probenbreite; streifenbreite;
+    "width": """width; specimen width; sample width; strip width; arm width; initial width; breite;
+        probenbreite; streifenbreite;
         anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta; ancho de probeta;
         ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale; larghezza;
         larghezza provino; larghezza del provino; larghezza iniziale; largura; largura do corpo de prova; largura

@@ -73,6 +73,9 @@ def meaning(head: Heading) -> Meaning | None:
     match = None if found else re.fullmatch(r"(.*?) ?(11|22|xx|yy|[12xy])", label)
     if match and match[1] and (found := list(looked_up(match[1]))):
         axis = _AXES[match[2]]
+    before = re.fullmatch(r"([xy]) ?([a-z]{4,})", label)  # XForce, YDisplacement
+    if not found and before and (found := list(looked_up(before[2]))):
+        axis = before[1]
     if not found:
         core = " ".join(word for word in label.split() if word not in qualifiers())
         found = list(looked_up(core))

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import PurePath
 from typing import Literal
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_numbers import words
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import word_for
 from hyperfab.io.named_tests import Named, is_pull, named_test, surest
@@ -64,7 +64,7 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
     """
     column = columns.columns.get("test")
     entry = next((one for one in sheet.metadata.get("test", []) if one.sure), None)
-    told = words(sheet, column.heading) if column else [entry.value] if entry else []
+    told: Sequence[str] = sheet.columns[column.heading.index] if column else [entry.value] if entry else []
     texts = [_LETTERS.get(text.strip().casefold(), text) for text in told]
     where = [*sheet.lines] if column else [entry.line] if entry else []
     known: dict[str, str] = {}

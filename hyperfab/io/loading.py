@@ -11,6 +11,8 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.dictionary import axis_of
+from hyperfab.io.headings import meaning
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
@@ -116,6 +118,13 @@ class _Reader:
     def _values(self, column: Column, kind: str, name: str) -> Array:
         return quantities(self.sheet, column.heading, kind, self.specimen.decimal, name=name)
 
+    def _axis(self, column: Column) -> str:
+        """Return the axis, 1 or 2, of a column of a biaxial test; nothing in another."""
+        if not self.test.startswith("biaxial"):
+            return ""
+        found = meaning(column.heading)
+        return axis_of(found.axis if found and found.axis else column.name[-1]) or "1"
+
     def _signed(self, values: Array, column: Column) -> Array:
         """Return readings with the signs of mechanics: pulling is positive."""
         if column.minus or self.down:
@@ -188,7 +197,9 @@ class _Reader:
         sizes = self.specimen.sizes
         if self.specimen.given.gauge_length is None:
             conflicting(self.sheet, self.specimen.decimal)
-        length = sizes.gauge_length or (sizes.diameter if self.test.startswith("biaxial") else None)
+        axis = self._axis(column)
+        length = self.specimen.along(axis, "gauge length", "grip distance")
+        length = length or (sizes.diameter if self.test.startswith("biaxial") else None)
         values = self._values(column, "length", name)
         if name == "length":
             if length is None:
@@ -208,6 +219,8 @@ class _Reader:
                 ),
             )
         values = self._signed(values, column)
+        if sizes.gauge_length is None and axis and sizes.diameter is None:
+            self.notes.append(f"{head.title} is over a gauge length of {length:g} mm")
         if name == "position":
             values = values - values[0]
             self.notes.append(f"{head.title} is counted from its first row")
@@ -236,8 +249,10 @@ class _Reader:
             pressed = (
                 self.pressed or column.compressive or (stretch is not None and farthest(stretch, 1.0) < 1.0)
             )
-            over, per_width = self.specimen.over(self.test, head.title, pressed)
+            over, per_width = self.specimen.over(self.test, head.title, pressed, self._axis(column))
             found = found / over
+            if per_width and self.specimen.sizes.width is None and self.specimen.sizes.diameter is None:
+                self.notes.append(f"{head.title} is over a width of {over:g} mm")
         sd = None
         thickness = self.specimen.sizes.thickness
         if deviation is not None:

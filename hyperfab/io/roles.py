@@ -6,11 +6,9 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from hyperfab.io.cells import is_number
+from hyperfab.io.cells import is_number, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, plain, word_for
+from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for
 from hyperfab.io.headings import KIND, Heading, is_of, meaning, suffixed
 
 #: What gives a stretch and what a stress, the surest first.
@@ -119,11 +117,6 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
     return None
 
 
-def axis_of(text: str) -> str | None:
-    """Return the axis of a biaxial test that a direction's word stands for."""
-    return {"warp": "1", "weft": "2"}.get(word_for(text, "DIRECTIONS") or "")
-
-
 def state_of(text: str) -> Label | None:
     """Return what a word in a title states of its column: a direction, an angle, a temperature or a rate."""
     if word_for(text, "DIRECTIONS"):
@@ -170,17 +163,23 @@ def roles(sheet: CsvSheet) -> Roles:
 
 
 def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
-    """Take sigma_t beside a true strain for a true stress; epsilon_t beside another epsilon may be across the pull."""
+    """Take sigma_t beside a true strain for a true stress; epsilon_t beside an epsilon nobody knows may be across."""
     lettered = [one for one in found.get("true strain", []) if plain(one[1].heading.label) in _BY_T]
     others = [head for head in sheet.headings if plain(head.label).startswith("eps")]
-    if lettered and len(others) > 1:
+    if lettered and len(others) > 1 and not found.get("strain"):
         found["true strain"] = [one for one in found["true strain"] if one not in lettered]
         aside.extend(one.heading.title for _, one in lettered)
-    if found.get("true strain"):
-        for rank, one in list(found.get("stress", [])):
-            if rank >= 0 and plain(one.heading.label) in ("sigma t", "sigmat"):
-                found["stress"].remove((rank, one))
-                found.setdefault("true stress", []).append((rank, replace(one, name="true stress")))
+    for rank, one in list(found.get("stress", [])):
+        if rank < 0 or plain(one.heading.label) not in ("sigma t", "sigmat"):
+            continue
+        if not found.get("true strain"):
+            title, unit = one.heading.title, one.heading.unit or "MPa"
+            options = (sheet.option([(title, f"{name} [{unit}]")]) for name in ("true stress", "stress"))
+            raise sheet.wrong(
+                f"{title} is a true stress, or a tensile one", remedy=f"say {' or '.join(options)}"
+            )
+        found["stress"].remove((rank, one))
+        found.setdefault("true stress", []).append((rank, replace(one, name="true stress")))
 
 
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
@@ -252,9 +251,7 @@ def _pulled(sheet: CsvSheet, columns: dict[str, Column]) -> str:
     ]
     sizes = {}
     for axis, column in pair:
-        cells = [cell.replace(",", ".") for cell in sheet.columns[column.heading.index] if is_number(cell)]
-        values = np.array([float(cell) if re.fullmatch(r"[-+\d.eE]+", cell) else 0.0 for cell in cells])
-        sizes[axis] = float(values[np.argmax(np.abs(values))]) if len(values) else 0.0
+        sizes[axis] = max(plain_values(sheet.columns[column.heading.index]), key=abs, default=0.0)
     first = max(sizes, key=lambda axis: sizes[axis])
     entries = [
         (column.heading.title, column.name[:-2] if axis == first else f"{column.name[:-2]} 2")

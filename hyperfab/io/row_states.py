@@ -13,7 +13,7 @@ from hyperfab.arrays import Array
 from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
 from hyperfab.io.cells import is_clock
-from hyperfab.io.csv_numbers import numbers, quantities, seconds, words
+from hyperfab.io.csv_numbers import numbers, quantities, seconds
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import plain, word_for
 from hyperfab.io.headings import Heading, is_of
@@ -41,7 +41,7 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         return [value] * len(sheet.lines)
-    texts = words(sheet, column.heading)
+    texts = sheet.columns[column.heading.index]
     known = {}
     for text, line in zip(texts, sheet.lines, strict=True):
         if text not in known:
@@ -98,7 +98,7 @@ def words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | No
     """Return the words of a column of a row each, or what the file states for all, None where it is not told."""
     column = columns.columns.get(name)
     if column is not None:
-        return [text or None for text in words(sheet, column.heading)]
+        return [text or None for text in sheet.columns[column.heading.index]]
     entry = stated(sheet, name)
     return [entry.value or None if entry else None] * len(sheet.lines)
 

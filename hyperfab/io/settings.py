@@ -7,11 +7,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.dictionary import fold, plain, setting
+from hyperfab.io.dictionary import fold, plain, setting, setting_along
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
 from hyperfab.io.titles import heading, unit_of
 
+#: Settings that are amounts: without a digit the cell beside one is the next title of a table.
+SIZES = (
+    "width",
+    "thickness",
+    "gauge length",
+    "grip distance",
+    "diameter",
+    "area",
+    "specimen length",
+    "height",
+)
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
 #: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
@@ -21,11 +32,22 @@ _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of metadata: its value and where it stands; ``sure`` where it is a line of the contract's own form."""
+    """A line of metadata: its value and where it stands; ``sure`` where it is a line of the contract's own form.
+
+    ``axis`` is that of a biaxial test that it is said of, 1 or 2, or nothing.
+    """
 
     value: str
     line: int
     sure: bool = True
+    axis: str = ""
+
+
+def entry_of(key: str, value: str, line: int, own: bool = False) -> tuple[str, Entry]:
+    """Return the name under which a value is stated and its entry; ``own`` where the line has the contract's form."""
+    known, axis = setting_along(key)
+    name = fold(key) if known in (None, "quiet") else known
+    return str(name), Entry(value, line, own and name == fold(key), axis)
 
 
 def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
@@ -49,15 +71,14 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if is_test(key := taken[0]) and setting(key) is None:  # Tensile test: warp-knitted fabric
                 found.setdefault("test", []).append(Entry(key, line, sure=False))
             key, value, unit, place = taken
-            known = setting(key)
-            name = fold(key) if known in (None, "quiet") else known
             text = (
                 value
                 if unit is None or not value or unit_of(value.lstrip("+-0123456789., "))
                 else f"{value} {unit}"
             )
-            if name and value:
-                found.setdefault(name, []).append(Entry(text, line, sure=False))
+            name, entry = entry_of(key, text, line)
+            if name and value and (name not in SIZES or any(map(str.isdigit, value))):
+                found.setdefault(name, []).append(entry)
     return found
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import plain, word_for
+from hyperfab.io.dictionary import axis_of, plain, word_for
 from hyperfab.io.headings import Heading, meaning
 from hyperfab.io.layout import named
 from hyperfab.io.named_tests import kind_named
@@ -16,7 +16,6 @@ from hyperfab.io.roles import (
     STRESSES,
     STRETCHES,
     Label,
-    axis_of,
     by_unit,
     fits,
     label_of,
@@ -102,14 +101,8 @@ def _part(
     """Return the table of some columns and those that all share, with the rows that have any of its own."""
     own = [one.index for one in heads]
     rows = [row for row in range(len(sheet.lines)) if any(sheet.columns[index][row] for index in own)]
-    return replace(
-        sheet,
-        metadata=metadata,
-        headings=tuple(sorted([*shared, *heads], key=lambda one: one.index)),
-        columns=tuple([cells[row] for row in rows] for cells in sheet.columns),
-        lines=[sheet.lines[row] for row in rows],
-        label=label,
-    )
+    headings = tuple(sorted([*shared, *heads], key=lambda one: one.index))
+    return replace(sheet.of_rows(rows), metadata=metadata, headings=headings, label=label)
 
 
 def _under_titles(sheet: CsvSheet, one_axis: bool) -> list[CsvSheet] | None:
@@ -155,13 +148,10 @@ def _under_titles(sheet: CsvSheet, one_axis: bool) -> list[CsvSheet] | None:
     ]
 
 
-def _axis(title: str) -> str | None:
-    """Return the axis that a title names: ``Axis 1``, ``X``, ``Warp``; None where it names none."""
-    words = plain(title).split()
-    last = {"x": "1", "y": "2"}.get(words[-1], words[-1]) if words else ""
-    if last in ("1", "2") and words[:-1] in ([], ["axis"], ["direction"], ["achse"], ["eje"], ["axe"]):
-        return last
-    return axis_of(title)
+def _axis(title: str) -> str:
+    """Return the axis that a title names: ``Axis 1``, ``X``, ``Warp``; nothing where it names none."""
+    *before, last = plain(title).split() or [""]
+    return axis_of(last if before in ([], ["axis"], ["direction"], ["achse"], ["eje"], ["axe"]) else title)
 
 
 def _told(title: str, one_axis: bool) -> dict[str, str]:

@@ -47,6 +47,12 @@ class Specimen:
     given: Geometry
     decimal: str
 
+    def along(self, axis: str, *keys: str) -> float | None:
+        """Return the first of some sizes [mm], where the two axes have one each that of the ``axis``, 1 or 2."""
+        both = (getattr(self.sizes, key.replace(" ", "_"), None) for key in keys)
+        own = (amount(self.sheet, key, "length", self.decimal, [], axis) for key in keys if axis)
+        return next((one for one in (*both, *own) if one is not None), None)
+
     def stated(self, key: str) -> float | None:
         """Return a length [mm] that the file states, or None."""
         return amount(self.sheet, key, "length", self.decimal, [])
@@ -57,10 +63,10 @@ class Specimen:
             if (error := untaken(self.sheet, key, self.decimal)) is not None:
                 raise error
 
-    def over(self, test: str, title: str, pressed: bool) -> tuple[float, bool]:
+    def over(self, test: str, title: str, pressed: bool, axis: str) -> tuple[float, bool]:
         """Return what a force is divided by, and whether that is a width [mm] and no area [mm^2].
 
-        ``title`` is the force's, for the error that no size is known.
+        ``title`` is the force's, for the error that no size is known; ``axis`` 1 or 2 in a biaxial test.
         """
         sizes = self.sizes
         if test.startswith("biaxial") and sizes.diameter is not None:
@@ -69,8 +75,8 @@ class Specimen:
             area = self._area(pressed)
             if area is not None:
                 return area, False
-        if sizes.width is not None:
-            return sizes.width, True
+        if (width := self.along(axis, "width")) is not None:
+            return width, True
         if sizes.area is not None:
             return sizes.area, False
         if sizes.diameter is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
@@ -11,12 +12,12 @@ from hyperfab.io.settings import Entry
 from hyperfab.io.units import quantity
 
 
-def stated(sheet: CsvSheet, key: str) -> Entry | None:
+def stated(sheet: CsvSheet, key: str, axis: str = "") -> Entry | None:
     """Return what the file says under ``key``: a line ``# key: value`` first, else the only value of a preamble.
 
-    InputError where two lines of the contract's form gainsay each other.
+    With an ``axis`` what it says of that one. InputError where two lines of the contract's form gainsay each other.
     """
-    entries = sheet.metadata.get(key, [])
+    entries = [entry for entry in sheet.metadata.get(key, []) if axis in ("", entry.axis)]
     sure = [entry for entry in entries if entry.sure]
     if sure:
         if len({entry.value for entry in sure}) > 1:
@@ -25,15 +26,21 @@ def stated(sheet: CsvSheet, key: str) -> Entry | None:
     return entries[0] if len({entry.value for entry in entries}) == 1 else None
 
 
-def amount(sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str]) -> float | None:
+def amount(
+    sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str], axis: str = ""
+) -> float | None:
     """Return a stated quantity in the unit of its ``kind``, or None; ``notes`` tells what was not taken and why.
 
     InputError where a line of the contract's own form, ``# key: value``, cannot be read.
     """
-    entry = stated(sheet, key)
+    entry = stated(sheet, key, axis)
     if entry is None:
-        if sheet.metadata.get(key):
-            lines = ", ".join(str(one.line) for one in sheet.metadata[key][:4])
+        entries = [] if axis else sheet.metadata.get(key, [])
+        alone = [replace(sheet, metadata={key: [one]}) for one in entries]
+        if len({value := amount(one, key, kind, decimal, []) for one in alone}) == 1:
+            return value  # 50 mm and 5.0 cm
+        if entries and not all(one.axis for one in entries):
+            lines = ", ".join(str(one.line) for one in entries[:4])
             notes.append(f"{key}: lines {lines} differ, none is taken")
         return None
     try:

@@ -6,20 +6,25 @@ from collections.abc import Sequence
 
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
-from hyperfab.io.dictionary import is_closing, plain
-from hyperfab.io.headings import Heading, meaning
-from hyperfab.io.layout import Layout
-from hyperfab.io.rows import SEPARATORS, Row
-from hyperfab.io.tables import Block, Fits, is_units, of_specimens
-from hyperfab.io.titles import NUMBER_LIKE
+from hyperfab.io.dictionary import Meaning, is_closing, plain, setting
+from hyperfab.io.heading_words import SETTINGS
+from hyperfab.io.headings import Heading, meaning, suffixed
+from hyperfab.io.rows import MAX_COLUMNS, SEPARATORS, Row
+from hyperfab.io.settings import settings
+from hyperfab.io.tables import Block, is_units, of_specimens
+from hyperfab.io.titles import NUMBER_LIKE, heading
+
+#: More words than these in a column beside the readings are said of them, and state nothing of the file.
+_STATED = 60
 
 
-def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout) -> list[Block]:
-    """Return the block with rows that are readings, all of one width, and the tables that follow it in the same rows.
+def keep_readings(block: Block, name: str, separator: str) -> None:
+    """Leave the block with rows that are readings, all of one width.
 
     Rows of means and other words are left out and counted, blank ones too. A row that is neither a reading nor such a
     word is refused with its line.
     """
+    _stated_beside(block)
     width = len(block.headings)
     kept: list[Row] = []
     waiting: list[Row] = []
@@ -45,7 +50,29 @@ def readings(block: Block, fits: Fits, name: str, separator: str, layout: Layout
         else:
             waiting.append((line, cells))
     block.rows = kept
-    return [block]
+
+
+def _stated_beside(block: Block) -> None:
+    """Take words and values to the right of the readings, each told once, for what the file states."""
+    known = [one.index for one in block.headings if meaning(suffixed(one)) not in (None, Meaning("aside"))]
+    rows = [*block.head, *block.rows]
+    for place in range(
+        max(known, default=MAX_COLUMNS) + 1, max((len(cells) for _, cells in rows), default=0)
+    ):
+        words = [cell for _, cells in rows for cell in cells[place : place + 1] if cell]
+        if len(words) > _STATED or any(map(is_number, words)):
+            continue
+        if not any(setting(heading(word.partition(":")[0], 0).label) in SETTINGS for word in words):
+            continue
+        told = settings([(line, cells[place:]) for line, cells in rows])
+        sizes = {key: own for key, own in told.items() if key in SETTINGS and len(own) == 1}
+        if sizes:
+            for key, own in sizes.items():
+                block.metadata.setdefault(key, []).extend(own)
+            block.headings = block.headings[:place]
+            cut = [(line, cells[:place], cells[place:]) for line, cells in block.rows]
+            block.rows = [(line, own) for line, own, beside in cut if any(own) or not any(beside)]
+        return
 
 
 def _properties(rows: Sequence[Row]) -> int:

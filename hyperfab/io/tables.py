@@ -17,6 +17,8 @@ from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 from hyperfab.io.settings import Entry, settings
 from hyperfab.io.titles import heading, unit_behind, unit_of
+from hyperfab.io.unit_table import parse_unit
+from hyperfab.io.units import is_unit
 
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
@@ -36,7 +38,7 @@ _RUN = 3
 class Block:
     """One table: the line of its head, its headings, its rows or, where they are plain throughout, its columns.
 
-    ``over`` is the row above its head where that holds titles of several columns.
+    ``over`` is the row above its head where that holds titles of several columns, ``head`` the rows of the head itself.
     """
 
     head_line: int
@@ -48,6 +50,7 @@ class Block:
     columns: list[list[str]] | None = None
     lines: list[int] = field(default_factory=list)
     over: Row | None = None
+    head: Sequence[Row] = ()
 
 
 def is_data(cells: Sequence[str], named: bool = False) -> bool:
@@ -61,13 +64,15 @@ def is_data(cells: Sequence[str], named: bool = False) -> bool:
 def _is_amounts(cells: Sequence[str]) -> bool:
     """Whether a row holds numbers and nothing but their units behind them, as 12.5 N: readings, or titles."""
     filled = [cell for cell in cells if cell]
+    if len(filled) > 2 and not is_number(filled[0]) and setting(filled[0]) is None:
+        filled = filled[1:]  # the specimen's name
     return len(filled) > 1 and all(is_number(cell) or unit_behind(cell) is not None for cell in filled)
 
 
 def of_specimens(rows: Sequence[Row]) -> frozenset[int]:
     """Return the rows that begin as closing ones do, as S or Max, row after row: a mean is one row, a specimen many.
 
-    Two rows are a specimen under a name that one may have, beside another of two rows.
+    Two rows are a specimen under a name that one may have, beside another of two rows and no closing row.
 
     >>> sorted(of_specimens([(k, [name, "1", "2"]) for k, name in enumerate(["S", "S", "S", "Max", "Mean", "S"])]))
     [0, 1, 2]
@@ -76,8 +81,10 @@ def of_specimens(rows: Sequence[Row]) -> frozenset[int]:
     place = 0
     firsts = groupby(next(filter(None, cells), "") for _, cells in rows)
     runs = [("", 0), *((first, sum(1 for _ in run)) for first, run in firsts), ("", 0)]
-    for (_, before), (first, count), (_, after) in zip(runs, runs[1:], runs[2:], strict=False):
-        pair = count == 2 in (before, after) and plain(first) in words(NAMES)
+    for before, (first, count), after in zip(runs, runs[1:], runs[2:], strict=False):
+        pair = count == 2 in (before[1], after[1]) and all(
+            plain(one) in words(NAMES) or not is_closing(one) for one in (before[0], first, after[0])
+        )
         if (count >= _RUN or pair) and is_closing(first):
             found.update(range(place, place + count))
         place += count
@@ -109,7 +116,7 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
         if head is not None:
             first, headings = head
             heads.append((first, start))
-            found.append(Block(rows[min(first, start)][0], headings))
+            found.append(Block(rows[min(first, start)][0], headings, head=rows[first:start]))
     for number, (block, (first, start)) in enumerate(zip(found, heads, strict=True)):
         before = heads[number - 1][1] if number else 0
         above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
@@ -144,8 +151,9 @@ def _head(
             above.append(k)
     options: list[tuple[tuple[bool, int, int, int], int, tuple[Heading, ...]]] = []
     for place in range(min(len(above), 3)):
-        for units in (None, *above[:place], *above[place + 1 : place + 2]):
-            if units is not None and not is_units([*rows[units][1]]):
+        below = [k for k in above[:place] if is_units(rows[k][1])]
+        for units in below or (None, *above[place + 1 : place + 2]):
+            if units is not None and not is_units(rows[units][1]):
                 continue
             for upper in (None, *above[place + 1 : place + 2]):
                 if upper is not None and (upper == units or len(rows[upper][1]) < 2):
@@ -245,14 +253,18 @@ def is_units(cells: Sequence[str]) -> bool:
 def with_units(
     heads: Sequence[Heading], cells: Sequence[str], line: int = 0, name: str = ""
 ) -> tuple[Heading, ...]:
-    """Return headings with the units of a row of their own; InputError where it gainsays the head."""
+    """Return headings with the units of a row of their own; where it gainsays the head both stand, to be refused.
+
+    InputError at once where the file's ``name`` is given.
+    """
     found = []
     for one, cell in zip(heads, [*cells, *[""] * len(heads)][: len(heads)], strict=True):
         bare = cell.strip("[](){}<> ")
         unit = unit_of(bare) or (
             bare if bare.casefold() not in _BLANK_UNITS else "-" if bare in ("-", "--", "1") else None
         )
-        if name and unit is not None and one.unit not in (None, unit, "-"):
+        gainsaid = one.unit not in (None, "-") and unit is not None and not _are_same(str(one.unit), unit)
+        if name and gainsaid:
             raise InputError(
                 f"the unit is {unit} here and {one.unit} in the header",
                 file=name,
@@ -260,8 +272,14 @@ def with_units(
                 column=one.title,
                 remedy="keep one of them",
             )
-        found.append(Heading(one.title, one.label, one.unit or unit, one.index))
+        told = f"{one.unit} or {unit}" if gainsaid and unit != "-" else one.unit or unit  # which is no unit
+        found.append(Heading(one.title, one.label, told, one.index))
     return tuple(found)
+
+
+def _are_same(one: str, two: str) -> bool:
+    """Whether two units are one, as MPa and N/mm^2."""
+    return one == two or (is_unit(one) and is_unit(two) and parse_unit(one) == parse_unit(two))
 
 
 def understood(blocks: Sequence[Block], name: str) -> list[Block]:

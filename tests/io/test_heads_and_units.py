@@ -186,7 +186,46 @@ def test_a_letter_of_a_true_strain_makes_the_stress_beside_it_true(strain: str, 
 
 def test_a_strain_of_the_letter_t_beside_another_may_be_across() -> None:
     rows = "0.1,-0.05,0.2\n0.2,-0.09,0.4\n"
-    [found] = read_tests(f"# test: uniaxial\nε_eng,ε_t,σ_t [MPa]\n{rows}".encode(), "a.csv")
+    [found] = read_tests(f"# test: uniaxial\nε_a,ε_t,σ [MPa]\n{rows}".encode(), "a.csv")
     assert (found.stretch.tolist(), found.stress.tolist()) == ([1.1, 1.2], [0.2, 0.4])
     with pytest.raises(InputError, match="no column gives a stretch"):
         read_tests(f"# test: uniaxial\nε_l [-],ε_t [-],σ [MPa]\n{rows}".encode(), "a.csv")
+
+
+@pytest.mark.parametrize("cells", ["10 mm,2 N\n20 mm,4 N\n", "A,10 mm,2 N\nA,20 mm,4 N\n"])
+def test_units_in_cells_beside_another_unit_in_the_head_are_refused(cells: str) -> None:
+    name = "Specimen," if "A" in cells else ""
+    text = "Tensile test\nWidth,50,mm\nGauge length,100,mm\n" + name + "Extension{},Load{}\n" + cells
+    assert read_tests(text.format("", "").encode(), "a.csv")[0].stress.tolist() == pytest.approx([0.04, 0.08])
+    with pytest.raises(
+        InputError, match=r'line 5, column "Load \[kN\]": 2 N is in another unit than the head'
+    ):
+        read_tests(text.format("", " [kN]").encode(), "a.csv")
+
+
+@pytest.mark.parametrize("head", ["ε_eng,σ_eng [MPa],ε_t,σ_t [MPa]", "ε_t,σ_t [MPa],ε_eng,σ_eng [MPa]"])
+def test_of_engineering_and_true_readings_one_pair_is_taken(head: str) -> None:
+    nominal = ["0.1,0.2", "0.2,0.4"]
+    true = ["0.0953101798,0.22", "0.1823215568,0.48"]
+    pairs = zip(nominal, true, strict=True) if head.startswith("ε_eng") else zip(true, nominal, strict=True)
+    rows = "".join(",".join(pair) + "\n" for pair in pairs)
+    [found] = read_tests(f"# test: uniaxial\n{head}\n{rows}".encode(), "a.csv")
+    assert (found.stretch.tolist(), found.stress.tolist()) == (pytest.approx([1.1, 1.2]), [0.2, 0.4])
+
+
+def test_a_row_of_units_that_gainsays_the_head_below_a_preamble_is_refused() -> None:
+    text = "Tensile test\nWidth,50,mm\nThickness,0.8,mm\nStrain (%),Stress (MPa)\n%,{}\n10,2\n20,4\n"
+    with pytest.raises(InputError, match=r'column "Stress \(MPa\)": MPa or kPa is no unit'):
+        read_tests(text.format("kPa").encode(), "a.csv")
+    assert read_tests(text.format("N/mm^2").encode(), "a.csv")[0].stress.tolist() == [2.0, 4.0]
+
+
+def test_a_stress_of_the_letter_t_beside_an_engineering_strain_is_asked_for() -> None:
+    text = "# test: uniaxial\nstrain [%],σ_t [MPa]\n10,0.22\n20,0.48\n".encode()
+    with pytest.raises(InputError, match="a true stress, or a tensile one") as caught:
+        read_tests(text, "a.csv")
+    true, nominal = (
+        read_tests(text, "a.csv", columns=layout([option]))[0].stress.tolist()
+        for option in re.findall(r'--columns "([^"]*)"', str(caught.value))
+    )
+    assert (true, nominal) == (pytest.approx([0.2, 0.4]), [0.22, 0.48])

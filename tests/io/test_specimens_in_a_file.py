@@ -342,6 +342,14 @@ def test_specimens_of_two_rows_may_be_called_as_closing_rows_begin(names: tuple[
     assert [part.specimen for part in found] == list(names)
 
 
+@pytest.mark.parametrize("closing", [("Max", "Mean"), ("Mean", "Max"), ("Max", "Min")])
+def test_two_closing_rows_of_each_kind_stay_closing_rows(closing: tuple[str, ...]) -> None:
+    names = ("A", "B", *closing)
+    rows = "".join(f"{name},{strain},{strain / 100}\n" for name in names for strain in (20, 40))
+    found = read_tests(f"# test: uniaxial\nSample,Strain (%),Stress (MPa)\n{rows}".encode(), "a.csv")
+    assert [part.specimen for part in found] == ["A", "B"]
+
+
 def test_two_closing_rows_below_longer_specimens_stay_closing_rows() -> None:
     rows = "A,20,0.1\nA,40,0.2\nA,60,0.3\nMean,40,0.2\nMean,50,0.3\nMax,60,0.3\n"
     [found] = read_tests(f"# test: uniaxial\nSample,Strain (%),Stress (MPa)\n{rows}".encode(), "a.csv")

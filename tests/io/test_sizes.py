@@ -1,0 +1,185 @@
+"""Sizes of a specimen that stand in columns of the table, beside it, or one for each arm of a biaxial test."""
+
+from __future__ import annotations
+
+import pytest
+from machine_exports import workbook
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.specimen import Geometry
+
+ROWS = [(10.0, 2.0), (20.0, 4.0), (30.0, 5.0)]
+NOMINAL = [0.05, 0.1, 0.125]
+
+
+def read(text: str, **options: object) -> list[TestData]:
+    return read_tests(text.encode(), "a.csv", **options)  # type: ignore[arg-type]
+
+
+def is_strip(found: TestData, width: float = 50.0) -> bool:
+    sizes = (found.width_mm, found.thickness_mm, found.gauge_length_mm)
+    return sizes == (width, 0.8, 100.0) and found.stress.tolist() == pytest.approx(NOMINAL)
+
+
+@pytest.mark.parametrize(
+    ("head", "sizes"),
+    [
+        ("width_mm,thickness_mm,gauge length [mm]", "50,0.8,100"),
+        ("Breite [mm],Dicke [mm],Einspannlänge [mm]", "50,0.8,100"),
+        ("Width (cm),Thickness (mm),L0 (cm)", "5,0.8,10"),
+        ("Width (mm),Thickness (mm),Grip distance (mm)", "50,0.8,100"),
+    ],
+)
+@pytest.mark.parametrize("first_alone", [False, True])
+def test_sizes_stand_in_columns_of_each_row_or_of_the_first(head: str, sizes: str, first_alone: bool) -> None:
+    rows = [
+        f"{sizes if not (first_alone and k) else ',,'},{way},{force}\n" for k, (way, force) in enumerate(ROWS)
+    ]
+    [found] = read(f"Tensile test\n{head},Extension [mm],Load [N]\n{''.join(rows)}")
+    assert is_strip(found)
+    assert not any("not used" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("key", ["specimen", "direction"])
+def test_each_specimen_of_a_column_has_its_own_sizes(key: str) -> None:
+    rows = "".join(
+        f"{one},{width},0.8,100,{way},{force * width / 50}\n"
+        for one, width in (("warp", 50), ("weft", 25))
+        for way, force in ROWS
+    )
+    head = f"{key},width [mm],thickness [mm],gauge length [mm],extension [mm],force [N]"
+    found = read(f"# test: uniaxial\n{head}\n{rows}")
+    assert [is_strip(part, width) for part, width in zip(found, (50.0, 25.0), strict=True)] == [True, True]
+    narrow = read(f"# test: uniaxial\n{head}\n{rows}", geometry=Geometry(width=10.0))
+    assert [part.width_mm for part in narrow] == [10.0, 10.0]  # an option counts more
+
+
+def test_a_width_that_changes_with_the_rows_is_a_reading() -> None:
+    above = "# test: uniaxial\n# width: 50 mm\n# thickness: 0.8 mm\n# gauge length: 100 mm\n"
+    rows = "".join(f"{way},{force},{50 - way / 10}\n" for way, force in ROWS)
+    [found] = read(f"{above}Extension [mm],Load [N],Width [mm]\n{rows}")
+    assert is_strip(found)
+    assert found.notes == ("columns not used: Width [mm]",)
+
+
+def test_a_letter_without_a_unit_is_no_size() -> None:
+    above = "Tensile test\nWidth,50,mm\nThickness,0.8,mm\nGauge length,100,mm\n"
+    rows = "".join(f"{way},{force},3\n" for way, force in ROWS)
+    assert is_strip(*read(f"{above}Extension [mm],Load [N],b\n{rows}"))
+
+
+def test_a_column_and_a_line_above_it_may_agree_and_are_asked_for_where_not() -> None:
+    rows = "".join(f"50.0,{way},{force}\n" for way, force in ROWS)
+    text = (
+        "Tensile test\nWidth: {} cm\nThickness: 0.8 mm\nL0: 100 mm\nWidth (mm),Extension (mm),Load (N)\n"
+        + rows
+    )
+    assert is_strip(*read(text.format(5)))
+    with pytest.raises(InputError, match=r"line 2, key width: states 4 cm and 50\.0 mm; give --width 4cm or"):
+        read(text.format(4))
+
+
+BESIDE = {
+    "a column of values": (
+        [],
+        [["", "Width", "50", "mm"], ["", "Thickness", "0.8", "mm"], ["", "L0", "100", "mm"]],
+    ),
+    "from the head on": (
+        ["", "Width (mm)", "50"],
+        [["", "Thickness (mm)", "0.8"], ["", "Gauge length (mm)", "100"]],
+    ),
+    "one cell each": ([], [["", "Width: 50 mm"], ["", "Thickness: 0.8 mm"], ["", "Gauge length: 100 mm"]]),
+    "titled": (
+        ["", "Property", "Value"],
+        [
+            ["", "Width (mm)", "50"],
+            ["", "Thickness (mm)", "0.8"],
+            ["", "L0 (mm)", "100"],
+            ["", "Operator", "J"],
+        ],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BESIDE)
+@pytest.mark.parametrize("form", ["csv", "xlsx"])
+def test_sizes_stand_to_the_right_of_the_readings(kind: str, form: str) -> None:
+    head, beside = BESIDE[kind]
+    left = [[str(way), str(force)] for way, force in ROWS]
+    below = [["", "", *one] for one in beside[len(left) :]]
+    beside = [*beside, []][: len(left)]
+    rows = [["Tensile test"], ["Extension (mm)", "Load (N)", *head]]
+    rows += [[*one, *other] for one, other in zip(left, beside, strict=True)] + below
+    if form == "csv":
+        [found] = read("".join(",".join(row) + "\n" for row in rows))
+    else:
+        cells = [[(one,) if one.replace(".", "").isdigit() else one or None for one in row] for row in rows]
+        [found] = read_tests(workbook({"Sheet1": cells}), "a.xlsx")  # type: ignore[arg-type]
+    assert is_strip(found)
+
+
+def test_words_beside_the_readings_that_are_said_of_rows_state_nothing() -> None:
+    above = "Tensile test\nWidth,50,mm\nThickness,0.8,mm\nGauge length,100,mm\n"
+    rows = "".join(f"{way},{force},base,{k}\n" for k, (way, force) in enumerate(ROWS))
+    assert is_strip(*read(f"{above}Extension (mm),Load (N),Phase,Marker\n{rows}"))
+    with pytest.raises(InputError, match=r"key width: states 50 mm and 25 mm"):
+        read(f"{above}Extension (mm),Load (N),,Width (mm),25\n10,2,,,\n20,4,,,\n")
+
+
+ARMS = "Biaxial tensile test\n{}Thickness,0.8,mm\n{}\n10,{x1},24,48\n20,{x2},36,72\n"
+
+
+@pytest.mark.parametrize(
+    ("sizes", "head"),
+    [
+        ("Width X,30,mm\nWidth Y,60,mm\n", "Strain X (%),Strain Y (%),Force X (N),Force Y (N)"),
+        ("Width 1,30,mm\nWidth 2,60,mm\n", "strain 1 (%),strain 2 (%),force_1_N,force_2_N"),
+        (
+            "Width warp,30,mm\nWidth weft,60,mm\n",
+            "Strain warp (%),Strain weft (%),Force warp (N),Force weft (N)",
+        ),
+        ("Arm width X,30,mm\nArm width Y,60,mm\n", "Strain X (%),Strain Y (%),XForce (N),YForce (N)"),
+    ],
+)
+def test_arms_of_a_biaxial_test_have_widths_of_their_own(sizes: str, head: str) -> None:
+    [found] = read(ARMS.format(sizes, head, x1=10, x2=20))
+    assert found.mode == "biaxial-general"
+    assert found.stress2 is not None
+    assert found.stress.tolist() == found.stress2.tolist() == pytest.approx([1.0, 1.5])
+    assert [note[-22:] for note in found.notes] == [
+        "is over a width of 30 mm"[-22:],
+        "is over a width of 60 mm"[-22:],
+    ]
+
+
+def test_arms_of_a_biaxial_test_have_gauge_lengths_of_their_own() -> None:
+    sizes = "Width,60,mm\nGauge length X,100,mm\nGauge length Y,50,mm\n"
+    head = "Displacement X (mm),Displacement Y (mm),Force X (N),Force Y (N)"
+    [found] = read(ARMS.format(sizes, head, x1=5, x2=10))
+    assert found.stretch2 is not None
+    assert found.stretch.tolist() == found.stretch2.tolist() == pytest.approx([1.1, 1.2])
+
+
+def test_arm_widths_stand_in_columns_and_belong_to_their_force() -> None:
+    text = "test,width_1_mm,width_2_mm,thickness_mm,stretch 1,stretch 2,force_1_N,force_2_N\n"
+    [found] = read(
+        text + "biaxial-general,30,60,0.8,1.1,1.1,24,48\nbiaxial-general,30,60,0.8,1.2,1.2,36,72\n"
+    )
+    assert found.stress2 is not None
+    assert found.stress.tolist() == found.stress2.tolist() == pytest.approx([1.0, 1.5])
+    one = "# test: biaxial\nWidth X,30,mm\nWidth Y,60,mm\nThickness,0.8,mm\nStrain Y [%],Force Y [N]\n10,48\n20,72\n"
+    assert read(one)[0].stress.tolist() == pytest.approx([1.0, 1.5])
+
+
+def test_two_widths_of_a_strip_are_asked_for_as_before() -> None:
+    text = "Tensile test\nWidth 1,50,mm\nWidth 2,40,mm\nThickness,0.8,mm\nStrain (%),Load (N)\n10,2\n20,4\n"
+    with pytest.raises(InputError, match="key width: states 50 mm and 40 mm"):
+        read(text)
+
+
+def test_the_next_title_of_a_table_is_no_size() -> None:
+    """A table of results above the readings has a length beside the largest load."""
+    above = "Tensile test\n,Length (mm),Maximum load (N)\n1,100,5\n\nSpecimen 1\nLength,100,mm\nWidth,50,mm\n"
+    with pytest.raises(InputError, match=r"line 6 has a length of 100 mm.*--gauge-length 100mm"):
+        read(f"{above}Time,Extension,Load\ns,mm,N\n0,10,2\n1,20,4\n2,30,5\n3,40,6\n4,50,7\n5,60,8\n")
