@@ -39,8 +39,6 @@ _STATES = (
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
-#: A strain that the letter t tells to be true, where no other strain has a letter.
-_BY_T = ("epsilon t", "epsilont", "eps t", "epst")
 #: A specimen's number or letter behind what a column holds.
 _LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")
 
@@ -164,13 +162,13 @@ def roles(sheet: CsvSheet) -> Roles:
 
 def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
     """Take sigma_t beside a true strain for a true stress; epsilon_t beside an epsilon nobody knows may be across."""
-    lettered = [one for one in found.get("true strain", []) if plain(one[1].heading.label) in _BY_T]
+    lettered = [one for one in found.get("true strain", []) if _ends_in_t(one[1], "epsilon", "eps")]
     others = [head for head in sheet.headings if plain(head.label).startswith("eps")]
     if lettered and len(others) > 1 and not found.get("strain"):
         found["true strain"] = [one for one in found["true strain"] if one not in lettered]
         aside.extend(one.heading.title for _, one in lettered)
     for rank, one in list(found.get("stress", [])):
-        if rank < 0 or plain(one.heading.label) not in ("sigma t", "sigmat"):
+        if rank < 0 or not _ends_in_t(one, "sigma"):
             continue
         if not found.get("true strain"):
             title, unit = one.heading.title, one.heading.unit or "MPa"
@@ -180,6 +178,10 @@ def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]]
             )
         found["stress"].remove((rank, one))
         found.setdefault("true stress", []).append((rank, replace(one, name="true stress")))
+
+
+def _ends_in_t(column: Column, *symbols: str) -> bool:
+    return plain(column.heading.label).replace(" ", "") in [f"{symbol}t" for symbol in symbols]
 
 
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:

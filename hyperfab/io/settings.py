@@ -14,15 +14,8 @@ from hyperfab.io.titles import heading, unit_of
 
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
 SIZES = (
-    "width",
-    "thickness",
-    "gauge length",
-    "grip distance",
-    "diameter",
-    "area",
-    "specimen length",
-    "height",
-)
+    "width", "thickness", "gauge length", "grip distance", "diameter", "area", "specimen length", "height",
+)  # fmt: skip
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
 #: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
