@@ -21,8 +21,6 @@ from hyperfab.loop.thresholds import MARGIN, TOLD
 _STEPS = 4
 #: Share of the model's own constants that a form leaves which takes over from them.
 _NEXT_TO_NOTHING = 0.02
-#: Standard deviations by which a specimen is another than the middle one.
-_ODD = 3.0
 #: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
 _FORMS, _RICH = 3, 3
 
@@ -345,7 +343,7 @@ def _is_of_few(fitted: Fit, name: str) -> bool:
     middle = order[(len(order) - 1) // 2 : len(order) // 2 + 1]
     of -= of[middle].mean(axis=0)
     sd = scale * np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", of, covariance, of), 0.0))
-    odd = np.abs(of @ values) > _ODD * sd
+    odd = np.abs(of @ values) > TOLD * sd
     return bool(np.count_nonzero(odd) < 0.5 * len(values))
 
 
