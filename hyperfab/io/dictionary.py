@@ -181,4 +181,5 @@ def _closing() -> frozenset[str]:
 
 
 def without_brackets(label: str) -> str:
+    """Return a label without what stands in its brackets."""
     return BRACKETS.sub(" ", label)
