@@ -4,22 +4,19 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
+from sources import PACKAGE, parsed
 
-import hyperfab
-
-ROOT = Path(hyperfab.__file__).parent
 #: Rows of several curves stacked for a solver, what a law answers, and the lines of a picture.
 NO_CURVE = {"Rows", "_Rows", "Strip", "Line"}
 
 
 def classes() -> Iterator[tuple[str, ast.ClassDef]]:
-    for path in sorted(ROOT.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path, tree in parsed().items():
+        for node in ast.walk(tree):
             if isinstance(node, ast.ClassDef):
-                yield str(path.relative_to(ROOT)), node
+                yield str(path), node
 
 
 def test_a_measured_curve_is_held_by_one_class() -> None:
@@ -35,16 +32,16 @@ def test_a_measured_curve_is_held_by_one_class() -> None:
     assert found == [("curve.py", "TestCurve")]
 
 
-def called(path: Path) -> set[str]:
+def called(tree: ast.Module) -> set[str]:
     """Return what a module calls, as it is written."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
     return {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
 
 
 @pytest.mark.parametrize("law", ["Orthotropic.of", "Hyperfoam.of"])
 def test_constants_of_a_document_become_a_law_in_one_reader(law: str) -> None:
-    chapters = ROOT / "chapters"
-    readers = [path.name for path in chapters.rglob("*.py") if law in called(path)]
+    readers = [
+        path.name for path, tree in parsed().items() if "chapters" in path.parts and law in called(tree)
+    ]
     assert readers == ["fabric.py"]
 
 
@@ -52,9 +49,9 @@ def test_no_chapter_is_imported_by_a_name_made_of_text_and_no_words_are_read_but
     None
 ):
     """What import-linter cannot see, it cannot hold; what argv says is in the case."""
-    for path in ROOT.rglob("*.py"):
-        text = path.read_text(encoding="utf-8")
+    for path, tree in parsed().items():
+        text = (PACKAGE / path).read_text(encoding="utf-8")
         # What is compiled ahead is listed by a tool of the build, which is no command.
         assert "sys.argv" not in text or path.name == "ahead.py", path
         if {"chapters", "studies"} & {*path.parts}:
-            assert not {one for one in called(path) if one.endswith("import_module")}, path
+            assert not {one for one in called(tree) if one.endswith("import_module")}, path

@@ -134,6 +134,7 @@ def test_two_materials_are_compared_at_the_same_points(press):
 
 
 @pytest.mark.parametrize("limit", [0.02])
+@pytest.mark.slow
 def test_chains_that_lock_end_with_4_and_figures_up_to_there(press, limit):
     """Smoothed strains may pass the law's limit where no point of the sheet has: that is no stress without a number."""
     locking = {**NEO_HOOKEAN, "model": "gent", "parameters": {"mu_MPa": 0.4, "Im": limit}}

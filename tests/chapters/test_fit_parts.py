@@ -31,6 +31,7 @@ def fitted(draw: np.random.Generator) -> Identified:
     return found
 
 
+@pytest.mark.slow
 def test_intervals_of_all_that_hangs_on_the_constants_hold_the_truth() -> None:
     """Forces along every way in the plane of the constants: some hang on one of the two tests nearly alone."""
     draw = np.random.default_rng(4)

@@ -206,6 +206,7 @@ def test_thermostat_keeps_its_band(tmp_path):
     assert document["energy"]["imbalance_relative"] < 1e-12
 
 
+@pytest.mark.slow
 def test_a_long_run_tells_of_the_reduced_mold_and_its_bound(tmp_path):
     control = 'control = { probe = "centre", set = "60 degC", band = "2 K" }'
     text = (HEAD + HEATER + control + FILM + PROBE + RUN).replace('"12 W', '"60 W').replace("300 s", "900 s")
@@ -231,6 +232,7 @@ def test_a_long_run_tells_of_the_reduced_mold_and_its_bound(tmp_path):
     assert (tmp_path / "short.history.csv").read_bytes() == again
 
 
+@pytest.mark.slow
 def test_a_long_run_that_has_no_reduced_mold_says_why(tmp_path, monkeypatch):
     monkeypatch.setattr("hyperfab.thermal.shortcut.SMALLEST", 10)
     control = 'control = { probe = "centre", set = "60 degC", band = "0.5 K" }'

@@ -12,6 +12,7 @@ from .test_mold_heat import PLATE, heat
 FACTORS = "film [-],power [-]\n1,1\n1.6,1.4\n0.5,0.7\n"
 
 
+@pytest.mark.slow
 def test_variations_are_near_full_runs_of_the_same_settings(tmp_path):
     text = PLATE.replace('"300 s"', '"400 s"').replace(
         "[run]", '[run]\ntarget = "60 degC"\ntolerance = "0.01 K"'

@@ -127,6 +127,7 @@ def test_a_table_without_a_column_of_standard_deviations_says_nothing() -> None:
     assert "uncertainty" not in filmed("temperature [degC],h [W/m^2/K]\n25,5\n100,9\n250,13\n")
 
 
+@pytest.mark.slow
 def test_many_runs_are_parabolas_between_a_few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two heaters that err apart: the evenness bends, as which end is the warmer one changes from draw to draw."""
     heater = '[[heater]]\non = "plate.{0}"\npower = "300 W +- 4 %"\n'

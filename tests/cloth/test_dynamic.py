@@ -24,6 +24,7 @@ def mold():
     return mold_of(ball(6), (0.0, 0.0, 20.0))
 
 
+@pytest.mark.slow
 def test_two_solvers_and_three_starts_end_in_the_same_energy(mold):
     sheet = Sheet(N, N, (200.0, 200.0), 1.0, SOFT, STIFF)
     newton = drape(sheet, mold, 1e-10)

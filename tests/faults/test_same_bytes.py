@@ -32,6 +32,7 @@ COMMANDS = {
         "--temperature", "150degC", "--strokes", "5",
     ],
 }  # fmt: skip
+QUICK = ("fit", "drape")
 FABRIC = {
     "format": "hyperfab.material/1",
     "model": "yeoh-3",
@@ -74,7 +75,9 @@ def hashes(arguments: list[str], folder: Path, **environment: str) -> dict[str, 
     return {name: hashlib.sha256(data).hexdigest() for name, data in written.items()}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
+)
 def test_same_inputs_same_bytes(command: str, tmp_path: Path) -> None:
     first = hashes(COMMANDS[command], tmp_path / "a", PYTHONHASHSEED="1", HYPERFAB_THREADS="")
     again = hashes(

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from conftest import ROOT
 from loop.generators import fabric as truths
+from sources import parsed
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
@@ -255,7 +255,6 @@ def _asks_a_name(node: ast.AST) -> bool:
 
 def test_no_form_is_told_by_its_name() -> None:
     found = []
-    for file in sorted((ROOT / "hyperfab").rglob("*.py")):
-        tree = ast.parse(file.read_text(encoding="utf-8"))
+    for file, tree in parsed().items():
         found += [f"{file.name}:{node.lineno}" for node in ast.walk(tree) if _asks_a_name(node)]
     assert found == []

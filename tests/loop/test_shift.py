@@ -53,6 +53,7 @@ def problem() -> FabricProblem:
     return fabric_problem(law("neo-hookean"), (0.05,), tests, reference_degC=REFERENCE)
 
 
+@pytest.mark.slow
 def test_relaxation_that_heat_quickens_is_told_with_its_shift() -> None:
     found = close(problem(), design=False)
     assert found.verdict == "effect"

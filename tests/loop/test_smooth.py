@@ -170,6 +170,7 @@ def test_an_effect_of_two_states_at_once_is_called_by_its_name(effect: str) -> N
     assert set(found.after.ids) - {problem.plain} == {effect}
 
 
+@pytest.mark.slow
 def test_a_name_that_misses_the_stress_by_more_is_told_with_the_plain_law_or_another_is() -> None:
     """Grips that give: contraction explains what is read across, but presses the shear test off its readings."""
     problem, _, _, _ = case(6, ("grip-slack",), poor=False, which="smooth")

@@ -141,6 +141,7 @@ def test_stresses_alone_are_found_beside_known_exponents() -> None:
     assert (found.alpha, found.nu) == (law.alpha, law.nu)
 
 
+@pytest.mark.slow
 def test_an_auxetic_foam_of_one_term_is_found():
     """It widens where it is pulled: a negative Poisson's ratio, by stresses and by the measured lateral stretch."""
     truth = Hyperfoam((0.05,), (2.0,), (-0.25,))

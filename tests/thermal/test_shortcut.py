@@ -232,6 +232,7 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     np.testing.assert_allclose(again.origin, wider.nodal(np.ones(6)))
 
 
+@pytest.mark.slow
 def test_schedule_that_jumps_and_surroundings_that_change(block):
     def mold():
         made = block((0.2, 0.1, 0.04), (5, 3, 2), k=50.0, rho=2700.0, cp=900.0)
