@@ -110,6 +110,7 @@ def test_a_press_that_lacks_nothing_is_noise(press: Path, hf: Run) -> None:
     assert json.loads(again.stdout) | {"provenance": 0} == found | {"provenance": 0}
 
 
+@pytest.mark.slow
 def test_the_loop_of_a_press_that_forms_writes_its_pictures_too(press: Path, hf: Run, tmp_path: Path) -> None:
     for name in ("male.stl", "female.stl"):
         (tmp_path / name).write_bytes((press / name).read_bytes())

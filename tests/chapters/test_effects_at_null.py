@@ -83,7 +83,9 @@ def computed(tmp_path_factory) -> Callable[[tuple[str, ...], list[dict[str, Any]
     return run
 
 
-@pytest.mark.parametrize("command", [CONTACT, DRAPE], ids=["fabric-contact", "drape"])
+@pytest.mark.parametrize(
+    "command", [pytest.param(CONTACT, marks=pytest.mark.slow), DRAPE], ids=["fabric-contact", "drape"]
+)
 def test_every_effect_at_its_null_leaves_every_bit(computed, command: tuple[str, ...]) -> None:
     plain, files = computed(command, [])
     effects = null_effects()

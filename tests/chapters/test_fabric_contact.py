@@ -162,6 +162,7 @@ def test_constants_that_fail_end_with_4_and_name_both_depths(press):
     assert "Traceback" not in said
 
 
+@pytest.mark.slow
 def test_constants_unstable_before_the_depth_end_with_4_though_it_is_reached(press):
     status, found, _ = press(SOFTENING, "--depth", "59mm", "--steps", "2")
     assert status == 4

@@ -156,6 +156,7 @@ def test_a_temperature_that_no_fabric_has_is_asked_about(
     assert ("no temperature of a fabric" in done.stderr.decode()) is odd
 
 
+@pytest.mark.slow
 def test_no_test_that_stiffens_is_refused_stable_constants() -> None:
     """Powers of the strain with noise, drawn: neo-Hookean constants are stable for all, so there always are some."""
     draw = np.random.default_rng(0)

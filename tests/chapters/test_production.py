@@ -133,6 +133,7 @@ def test_a_piece_between_two_molds_conducts_from_one_to_the_other(tmp_path):
     assert document["energy"]["imbalance_relative"] < 1e-10
 
 
+@pytest.mark.slow
 def test_the_last_field_is_that_of_closing_and_a_production_begins_from_a_warmup(tmp_path):
     warm = mold(HEATER + FILM, 25.0).replace("[run]", '[run]\ntarget = "180 degC"')
     heat(tmp_path, warm, "warm")

@@ -139,6 +139,7 @@ HOT = (*PLATES, "--male-heat", "heat.json:lower", "--female-heat", "heat.json:up
 HEAT = (*HOT, "--female", "upper.stl")
 
 
+@pytest.mark.slow
 def test_two_paths_of_one_number_that_cancel_do() -> None:
     """What the joint passes warms one plate by as much as it cools the other: the gap stays, whoever has the heat."""
     # Drawn beside the press: plates grow evenly, by their means. The lower one's corners stay below the upper one.

@@ -359,6 +359,7 @@ def test_ends_of_a_warm_up_are_those_of_its_derivative_with_a_wide_tolerance(mad
         assert sign * (band[end] - found["warmup_time_s"]) == pytest.approx(half, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_samples_say_how_far_they_are(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By what is told in between a long carrying of uncertainty is forecast, and shows that it lives."""
     monkeypatch.chdir(folder)

@@ -32,7 +32,6 @@ COMMANDS = {
         "--temperature", "150degC", "--strokes", "5",
     ],
 }  # fmt: skip
-QUICK = ("fit", "drape")
 FABRIC = {
     "format": "hyperfab.material/1",
     "model": "yeoh-3",
@@ -76,7 +75,7 @@ def hashes(arguments: list[str], folder: Path, **environment: str) -> dict[str, 
 
 
 @pytest.mark.parametrize(
-    "command", [one if one in QUICK else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
+    "command", [one if one == "fit" else pytest.param(one, marks=pytest.mark.slow) for one in COMMANDS]
 )
 def test_same_inputs_same_bytes(command: str, tmp_path: Path) -> None:
     first = hashes(COMMANDS[command], tmp_path / "a", PYTHONHASHSEED="1", HYPERFAB_THREADS="")

@@ -53,7 +53,7 @@ def test_temperature_and_rate_are_named_though_neither_pays_alone() -> None:
     assert after < 0.45 * before
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_a_wrong_gauge_is_no_pair(seed: int) -> None:
     """Two names that only describe would pass for it; of tests left out each says worse than nothing."""
     problem, *_ = case(seed, ("one-gain",), poor=False)

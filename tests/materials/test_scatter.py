@@ -168,6 +168,7 @@ def test_intervals_cover(name: str, tests: int) -> None:
     assert 0.92 < float(np.mean(share)) <= 1.0
 
 
+@pytest.mark.slow
 def test_the_document_says_what_its_deviations_are_known_from(hf: Run, root: Path) -> None:
     files = [
         word for way in ("warp", "weft") for word in ("--uniaxial", root / f"specimens/lycra/{way}-23C.csv")

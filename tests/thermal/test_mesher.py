@@ -173,6 +173,7 @@ def test_a_mesher_that_was_begun_is_taken_and_one_that_ended_is_not(monkeypatch)
     assert netgen_process._begun == []
 
 
+@pytest.mark.slow
 def test_a_mesh_that_was_begun_is_the_one_that_is_made_and_another_is_made_anew(monkeypatch):
     monkeypatch.setattr(netgen_process, "_begun", [])
     geometry = Geometry((Body("block", (Box((0.0, 0.0, 0.0), (20.0, 10.0, 5.0)),)),))

@@ -258,6 +258,7 @@ def test_schedule_that_jumps_and_surroundings_that_change(block):
     assert off < min(0.05, reduced.reduced.error)
 
 
+@pytest.mark.slow
 def test_basis_too_poor_is_given_up_for_the_full_mold(block, monkeypatch):
     monkeypatch.setattr(module, "VECTORS", 2)
     monkeypatch.setattr(module, "TRIES", 2)
