@@ -146,7 +146,6 @@ class ContactProblem(Problem):
 
     sheet: Sheet = field(kw_only=True)
     files: tuple[ForceDepth, ...] = field(kw_only=True)
-    priors: tuple[Constant, ...] = field(kw_only=True)
     reference_degC: float = field(kw_only=True)
     scale: tuple[float, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
@@ -156,11 +155,6 @@ class ContactProblem(Problem):
         """Return the effects (4,) as ``Sheet.force`` takes them."""
         amounts = self.amounts(terms)
         return np.array([amounts.get(name, 0.0) for name in ADDED])
-
-    @property
-    def expected(self) -> tuple[Constant, ...]:
-        """The own constants with what is known of them beforehand."""
-        return self.priors
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the forces [N], then what is known of the constants, then further tests."""

@@ -82,15 +82,9 @@ class DrapeProblem(Problem):
     hiding: ClassVar[bool] = True
     draped: Draped = field(kw_only=True)
     files: tuple[Markers, ...] = field(kw_only=True)
-    priors: tuple[Constant, ...] = field(kw_only=True)
     base_at: tuple[Array, ...] = field(kw_only=True)
     weights: tuple[Array, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
-
-    @property
-    def expected(self) -> tuple[Constant, ...]:
-        """The own constants with what is known of them beforehand."""
-        return self.priors
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""

@@ -15,6 +15,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
+from hyperfab.loop.replicates import replicates
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy
 from hyperfab.materials.effects.fabric import Fabric
@@ -220,11 +221,9 @@ def fabric_problem(
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
     fabric = Fabric(law, path, reference, speed, hanging(path, curves, stress))
-    led = [curve.setup for curve in curves if curve.channel == 0]
-    alike = sum(led.count(setup) > 1 for setup in led)
-    context = DataContext(
-        law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated=alike > len(led) / 2
-    )
+    alike = {curve.start for pair in replicates(curves) for curve in pair}
+    replicated = len(alike) > len(path.curves) / 2
+    context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
     effects = tuple(
         replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context)
     )

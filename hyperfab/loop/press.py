@@ -35,14 +35,8 @@ class PressProblem(Problem):
     places: PressTable = field(kw_only=True)
     setting: Setting = field(kw_only=True)
     readings: tuple[Reading, ...] = field(kw_only=True)
-    priors: tuple[Constant, ...] = field(kw_only=True)
     scale: tuple[float, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
-
-    @property
-    def expected(self) -> tuple[Constant, ...]:
-        """The own constants with what is known of them beforehand."""
-        return self.priors
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the readings that the press would give, then what is known of the constants, then further tests."""

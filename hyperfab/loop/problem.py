@@ -205,6 +205,8 @@ class Problem(ABC):
     #: The entry that is the model's own law made richer: it may stand beside any other.
     plain: ClassVar[str] = ""
     starts: tuple[Array, ...] = ()
+    #: The own constants with what is known of them beforehand, where rows of their own speak for that.
+    priors: tuple[Constant, ...] = field(default=(), kw_only=True)
     #: Noise that curves without replicates have at least, as a share of their largest reading: published curves are
     #: drawn smooth, and readings that repeat each other are no more sure than the specimen.
     least_noise: ClassVar[float] = 0.0
@@ -216,7 +218,7 @@ class Problem(ABC):
     @property
     def expected(self) -> tuple[Constant, ...]:
         """The own constants with what is known of them beforehand, also where rows of their own speak for that."""
-        return self.own
+        return self.priors or self.own
 
     @property
     def describes(self) -> bool:

@@ -27,6 +27,8 @@ from hyperfab.materials.orthotropic import ABSENT
 
 #: Forms that have no prediction where the tests state no times.
 _NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset": load_offset.IN_TIME}
+#: Effects that constants of the law tell, where the document says that they do.
+_IN_THE_LAW = ("anisotropy", "elastic-law")
 #: What documents mean that were written before a constant was: a set did not contract the strip.
 UNSAID = {"contraction": 0.0}
 #: A test cut within this angle [deg] of warp or weft is a test of it.
@@ -45,11 +47,7 @@ def held_terms(
         key = f"effects.{index}"
         kind, form_name, values = item.get("id"), item.get("form"), item.get("parameters")
         # No term is added twice to what the law's constants tell.
-        if (
-            kind != "compressibility"
-            and item.get("told_by") in ("directions", "model")
-            and "ground" not in item
-        ):
+        if kind in _IN_THE_LAW and item.get("told_by") and "ground" not in item:
             continue
         effect = entries.get(str(kind))
         form = None if effect is None else next((f for f in effect.forms if f.name == form_name), None)

@@ -15,7 +15,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart
+from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.job import Job
@@ -107,14 +107,11 @@ def finish(
 
     ``noise`` estimates the noise, from the readings less what a model predicts. ``axis`` is the state that the curves
     are drawn over. ``rounds`` returns the problem posed anew around a finding (a better linearisation), or None where
-    it is good. ``apart`` are readings that take no part, ``left_out`` counts rows of the files
-    that were not taken. ``upstream`` traces the misfit to the documents behind the
-    model and returns what it says.
+    it is good. ``apart`` are readings that take no part, ``left_out`` counts rows of the files that were not taken.
+    ``upstream`` traces the misfit to the documents behind the model and returns what it says.
     """
     gone = dict(left_out or {})
-    if gone:
-        counts = "; ".join(f"{count} rows of {what}" for what, count in gone.items())
-        warnings = [*warnings, f"left out: {counts}"]
+    warnings = [*warnings, *told_left_out(gone)]
     for text in warnings:
         job.console.warn(text)
     traced: Sequence[str] = ()
@@ -123,7 +120,7 @@ def finish(
         misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
         problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
         domain = stated_kind(given.data)
-        result = describe(problem, found, problem.units[0], gone, list(warnings), domain=domain)
+        result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
         if apart:
             result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
         say(job.console, problem, found, result)

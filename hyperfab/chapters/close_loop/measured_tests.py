@@ -14,6 +14,7 @@ import numpy as np
 from hyperfab.cases.fit import FitCase
 from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
+from hyperfab.chapters.close_loop.readings import told_left_out
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import remarks, states, understood, unused_columns
@@ -149,9 +150,7 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
             kept.append(test)
         elif np.count_nonzero(sound) > 1:
             kept.append(test.take(sound))
-    if found.left_out:
-        parts = "; ".join(f"{count} rows of {what}" for what, count in found.left_out.items())
-        found.warnings.append(f"left out: {parts}")
+    found.warnings += told_left_out(found.left_out)
     return kept
 
 

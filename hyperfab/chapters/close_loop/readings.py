@@ -85,6 +85,12 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
     return table
 
 
+def told_left_out(left_out: Mapping[str, int]) -> list[str]:
+    """Return the sentence that says how many rows of which kind were not taken, if any."""
+    counts = "; ".join(f"{count} rows of {what}" for what, count in left_out.items())
+    return [f"left out: {counts}"] if counts else []
+
+
 def spread(table: Table, column: str) -> Array | None:
     """Return the standard deviations a file states beside a column, or None."""
     name = f"{column} sd"
