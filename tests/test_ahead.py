@@ -187,6 +187,7 @@ else:
 """
 
 
+@pytest.mark.slow
 def test_a_kernel_of_the_build_is_taken_where_it_is_whole_and_for_this_processor(tmp_path: Path) -> None:
     def used(cache: str, **env: str) -> str:
         done = python(tmp_path, BUILDS, "use", NUMBA_CACHE_DIR=str(tmp_path / cache), **env)

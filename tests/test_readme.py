@@ -36,7 +36,14 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 #: Pages whose commands take longest.
-LONG = ("drape.md", "fabric-contact.md", "press-contact.md", "uncertainty.md")
+LONG = (
+    "close-loop.md",
+    "close-loop-shapes.md",
+    "drape.md",
+    "fabric-contact.md",
+    "press-contact.md",
+    "uncertainty.md",
+)
 
 
 @pytest.mark.parametrize(

@@ -14,14 +14,14 @@ from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.fewest import fewest
+from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit, least_misfits
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import FEWEST, MARGIN, ONE_CLOTH, SMALL, TOLD
+from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
@@ -118,7 +118,7 @@ def close(
             break
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
-    best = helpful
+    best = _likely(search, before, helpful, sure_of)
     scatter = min(_surprise(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > level.gain_sd:
         wider = replace(level, gain_sd=scatter)
@@ -129,13 +129,18 @@ def close(
         verdict, assumed = _without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
     best = _ordered(search, kept)
+    tick("rivals")
+    others = rivals(search, best, sure_of)
+    while (likelier := _likelier(search, before, best, apart)) is not None:
+        best = _ordered(search, likelier)
+        others = rivals(search, best, sure_of)
     added = _worth_of_each(search, best)
     found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
     found = replace(found, doubted=doubted, worse=worse)
-    tick("rivals")
-    others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others, best.fit.forms)
-    verdict = "ambiguous" if sets and found.verdict == "effect" else found.verdict
+    sure, verdict = sure_of(), found.verdict
+    if verdict == "effect":
+        verdict = "ambiguous" if sets else "effect" if sure.something_else <= 0.5 else "unexplained"
     measurements: list[NextMeasurement] = []
     alike = {id(state): state.fit for instead in others.values() for state in instead.values()}
     if alike and design:
@@ -146,7 +151,7 @@ def close(
         verdict=verdict,
         indistinguishable=sets,
         measurements=measurements,
-        belief=sure_of(),
+        belief=sure,
     )
 
 
@@ -220,6 +225,39 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
         # What no other test can foretell has to leave less than something else would.
         return larger.judgement.is_noise or (smaller is base and outweighs_something_else(base, larger))
     return True
+
+
+def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callable[[], Belief]) -> Candidate:
+    """Take out every name that is less likely than that the others stand without it.
+
+    A formula that is not quite the fabric's leaves more than the right name may, which a further name then takes up:
+    the others keep the forms that leave no more, if there are such ones.
+    """
+    while len(best.ids) > 1:
+        sure, ids = sure_of(), frozenset(best.ids)
+        without = {
+            name: sum(p for fewer, p in sure.models.items() if fewer < ids and name not in fewer)
+            for name in ids
+        }
+        weakest = max(best.ids, key=lambda name: without[name] - sure.of[name])
+        if without[weakest] <= sure.of[weakest]:
+            break
+        search.without(best, weakest)
+        same = [state for state in search.states if {*state.ids} == ids - {weakest}]
+        best = min(same, key=lambda state: (not explains(before, state), surprise(state)))
+    return best
+
+
+def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:
+    """Return a model of other names that is clearly likelier, though it was fitted only as a rival; None if none is."""
+    if not search.problem.describes:
+        return None
+    found = likeliest(search, before, lambda state: is_no_worse(before, state, apart))
+    if found is None:
+        return None
+    found = _undoubted(search, found)
+    clear = surprise(found) < surprise(best) - np.log(ODDS)
+    return found if found.ids and {*found.ids} != {*best.ids} and clear else None
 
 
 def _undoubted(search: Search, best: Candidate) -> Candidate:

@@ -45,21 +45,21 @@ def fewest(
     for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem))[:_LIKELY]:
         if name != plain and plain in names:
             search.freed(before, [name, plain])
-    found = _likeliest(search, before, no_worse)
+    found = likeliest(search, before, no_worse)
     if found is None or len({*found.ids} - {plain}) > 1:
         for ids in combinations([name for name in best.ids if name != plain], 2):
             search.freed(before, ids)
-        found = _likeliest(search, before, no_worse)
+        found = likeliest(search, before, no_worse)
     if found is None and len(whole.ids) == 2:
         # What formulas of two leave may hide a third, which shows beside their smooth laws.
         for name in first:
             if name not in whole.ids:
                 search.freed(before, [*whole.ids, name])
-        found = _likeliest(search, before, no_worse)
+        found = likeliest(search, before, no_worse)
     return found or whole
 
 
-def _likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
+def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
     """Return the likeliest of all models fitted that leaves noise, each of its names needed; None if none does."""
     limit = max(allowed(structured(before.fit, search.problem)), SMALL)
     # Of few readings noise itself may leave more.

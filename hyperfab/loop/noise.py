@@ -100,6 +100,10 @@ class Noise:
                 scaled[rows] = part - shrink * np.multiply.outer(shape, shape @ part)
         return scaled
 
+    def stiffness(self, whitened: Array) -> Array:
+        """Return what of whitened values (rows) is alike to another stiffness, of each specimen: by chance unit too."""
+        return np.array([shape @ whitened[rows] for rows, shape, _ in self._shapes()])
+
     def _along(self, scaled: Array) -> Array:
         rho = self.correlation
         found = scaled.copy()

@@ -54,7 +54,7 @@ def heated(mold: str, *words: str, target: str = "-") -> Made:
     ("end", "h"),
     [
         ('target = "200 degC"', FILM),
-        ('until = "15 s"', '"9 W/m^2/K +- 20 %"'),
+        pytest.param('until = "15 s"', '"9 W/m^2/K +- 20 %"', marks=pytest.mark.slow),
         pytest.param('target = "200 degC"', '"9 W/m^2/K +- 20 %"', marks=pytest.mark.slow),
         pytest.param('until = "15 s"', FILM, marks=pytest.mark.slow),
     ],

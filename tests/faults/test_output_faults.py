@@ -148,6 +148,7 @@ def hf_shell(command: str, folder: Path) -> subprocess.CompletedProcess[bytes]:
     )
 
 
+@pytest.mark.slow
 def test_killed_at_any_moment_the_document_is_old_or_new(tmp_path: Path) -> None:
     target = tmp_path / "fabric.json"
     assert hf([*FIT, "-o", "fabric.json"], tmp_path).returncode == 0

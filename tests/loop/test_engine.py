@@ -71,7 +71,7 @@ def test_poor_protocol_is_ambiguous_and_the_measurement_asked_for_settles_it(eff
 
 
 @pytest.mark.parametrize(
-    "outside", ["ripple", "one-gain", pytest.param("stick-slip", marks=pytest.mark.slow)]
+    "outside", ["one-gain", *(pytest.param(one, marks=pytest.mark.slow) for one in ("ripple", "stick-slip"))]
 )
 def test_what_no_entry_explains_stays_unexplained(outside: str) -> None:
     problem, _, _, _ = case(0, (outside,), poor=False)
@@ -162,3 +162,15 @@ def test_one_hot_specimen_among_specimens_that_scatter(softer: float, found: lis
     closed = close(problem_of(readings), design=False)
     assert list(closed.after.ids) == found
     assert closed.verdict == ("effect" if found else "noise")
+    assert closed.belief is not None
+    assert all(closed.belief.of[name] > 0.9 for name in found)
+
+
+@pytest.mark.slow
+def test_a_further_name_that_makes_up_for_a_formula_is_not_told() -> None:
+    """Friction of another make: with its formula damage would leave noise, a smooth law of it alone does as well."""
+    problem, _, _, _ = case(0, ("hysteresis",), poor=False, which="rough")
+    found = close(problem, design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("hysteresis",))
+    assert found.belief is not None
+    assert found.belief.of["hysteresis"] > 0.9

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hyperfab.arrays import Array
-from hyperfab.loop import confounding
+from hyperfab.loop import confounding, engine
 from hyperfab.loop.belief import Belief
 from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import close
@@ -72,6 +72,30 @@ def test_look_alike_is_flagged_however_large_the_effect(size: float) -> None:
     found = close(saturating(size), noise=0.01, design=False)
     assert found.verdict == "ambiguous"
     assert [set(one) for one in found.indistinguishable] == [{"one", "other"}]
+
+
+@pytest.mark.parametrize(
+    ("chances", "left"),
+    [
+        ({"ab": 0.3, "a": 0.6}, "a"),
+        ({"ab": 0.5, "a": 0.2, "b": 0.2}, "ab"),
+        # In other company it is as likely as here; what stands in its place says nothing.
+        ({"ab": 0.2, "a": 0.3, "bc": 0.2}, "ab"),
+        ({"ab": 0.2, "a": 0.1, "ac": 0.6}, "ab"),
+        ({"abc": 0.1, "ab": 0.15, "a": 0.7}, "a"),
+        ({"a": 0.2}, "a"),
+    ],
+)
+def test_a_name_goes_that_is_less_likely_than_the_others_without_it(
+    chances: dict[str, float], left: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    states = [SimpleNamespace(ids=tuple(ids)) for ids in chances]
+    search: Any = SimpleNamespace(states=states, without=lambda best, name: None)
+    sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
+    monkeypatch.setattr(engine, "surprise", lambda state: 0.0)
+    monkeypatch.setattr(engine, "explains", lambda before, state: True)
+    best: Any = states[0]
+    assert "".join(engine._likely(search, best, best, lambda: sure).ids) == left
 
 
 @pytest.mark.parametrize(

@@ -33,6 +33,7 @@ def rubbed():
     return run_with_friction([_test(Coulomb(0.3))], [40.0, 60.0])[0]
 
 
+@pytest.mark.slow
 def test_force_and_energy_with_coulomb_friction(rubbed):
     forces = [solved.state.force for solved in rubbed.solved]
     assert forces == pytest.approx([15.0404007, 44.0083276], rel=5e-4)
@@ -41,6 +42,7 @@ def test_force_and_energy_with_coulomb_friction(rubbed):
     assert fields(last.press.sheet, last.state.places).stretch[0].mean() == pytest.approx(1.175128, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_every_touching_node_slips_at_the_edge_of_the_cone(rubbed):
     state = rubbed.solved[-1].state
     rub = np.linalg.norm(state.memory.friction, axis=1)[state.touching]
@@ -49,6 +51,7 @@ def test_every_touching_node_slips_at_the_edge_of_the_cone(rubbed):
     assert not state.memory.sticking.any()
 
 
+@pytest.mark.slow
 def test_work_is_stored_or_dissipated(rubbed):
     state = rubbed.solved[-1].state
     lost = rubbed.solved[-1].press.sheet.mesh.copies * state.memory.dissipated

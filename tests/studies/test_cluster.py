@@ -132,6 +132,7 @@ def cluster(shop: Path, certificates: dict[str, str]) -> Iterator[str]:
             process.wait()
 
 
+@pytest.mark.slow
 def test_a_study_runs_on_a_cluster_behind_tls_and_not_without_certificates(
     shop: Path, cluster: str, certificates: dict[str, str]
 ) -> None:

@@ -223,6 +223,11 @@ def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> li
         f"({document.residual.structured:.2g} standard deviations of the noise beyond it; {what}: p = {chance:.1g})"
         + (f"; what is left rides on {', '.join(riding)}." if riding else ".")
     ]
+    if document.something_else is not None and document.something_else > 0.5 and found.added:
+        names = " and ".join(found.added)
+        lines.append(
+            f"That something else is lacking is likelier ({document.something_else:.0%}) than {names}."
+        )
     lines.append(_where(problem, found))
     if document.residual.suggestion:
         left, share = document.residual, document.residual.suggestion_share or 0.0
