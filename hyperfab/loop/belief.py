@@ -55,7 +55,7 @@ def outweighs_something_else(base: Candidate, state: Candidate) -> bool:
 
     Both in standard deviations of the noise: see ``belief``. What lacks in another kind says nothing against them.
     """
-    left, before = (structured_of_each(one.fit, one.problem)[0] for one in (state, base))
+    left, before = (structured_of_each(one.fit, one.problem, one.noise)[0] for one in (state, base))
     return bool(left <= (1.0 - MOST) * before)
 
 
@@ -67,7 +67,9 @@ def surprise(state: Candidate) -> float:
     shape but that of the plain law, which is never quite the fabric's.
     """
     free = sum(form.free for name, form in state.fit.forms.items() if name != state.problem.plain)
-    return _student(_left(state)) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
+    return _student(structured_of_each(state.fit, state.problem, state.noise)) + 0.5 * MARGIN * (
+        len(state.ids) - 1 + free
+    )
 
 
 def belief(base: Candidate, models: Iterable[Candidate], entries: int, *, is_noise: bool = False) -> Belief:
@@ -76,7 +78,7 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int, *, is_noi
     Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike. ``is_noise``: what
     the model without names leaves passes for noise, in every test of that.
     """
-    before = _left(base)
+    before = structured_of_each(base.fit, base.problem, base.noise)
     if is_noise:  # what is above a noise that is known so badly is no misfit
         before = np.zeros_like(before)
     least: dict[frozenset[str], float] = {}
@@ -89,20 +91,6 @@ def belief(base: Candidate, models: Iterable[Candidate], entries: int, *, is_noi
     other = float(np.exp(-_student((1.0 - MOST) * before)))
     total = sum(weights.values()) + nothing + other
     return Belief({ids: one / total for ids, one in weights.items()}, nothing / total, other / total)
-
-
-def _left(state: Candidate) -> Array:
-    """Return what a model leaves of each kind of reading and, where specimens scatter, of the stiffness of each.
-
-    That is one value of a specimen, which its many readings must not hide.
-    """
-    fit, noise = state.fit, state.noise
-    left = structured_of_each(fit, state.problem)
-    if not noise.gain_sd:
-        return left
-    each = noise.at(fit.predicted).stiffness(fit.residual)
-    beyond = float(np.mean(each**2)) - 1.0 - 2.0 * float(np.sqrt(2.0 / len(each)))
-    return np.append(left, np.sqrt(max(beyond, 0.0)))
 
 
 def _student(left: Array) -> float:

@@ -51,7 +51,7 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     ratio = fit.chi2 / free
     return Judgement(
         chi2_reduced=ratio,
-        structured=structured(fit, problem),
+        structured=structured(fit, problem, noise),
         p_lack_of_fit=min(
             _by_chance(ratio, free, noise.dof), _worst_by_chance(fit, noise.dof, problem.curves)
         ),
@@ -60,17 +60,29 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     )
 
 
-def structured(fit: Fit, problem: Problem) -> float:
+def structured(fit: Fit, problem: Problem, noise: Noise) -> float:
     """Return the rms of what is not noise, in its standard deviations, of the kind of reading that is missed most."""
-    return float(np.sqrt(max(fit.chi2 / _degrees(fit) - 1.0, *_beyond_of_each(fit, problem), 0.0)))
+    each = [*_beyond_of_each(fit, problem), *_beyond_of_stiffness(fit, noise)]
+    return float(np.sqrt(max(fit.chi2 / _degrees(fit) - 1.0, *each, 0.0)))
 
 
-def structured_of_each(fit: Fit, problem: Problem) -> Array:
-    """Return the same of each kind of reading: of a fabric its stresses, then its contraction."""
+def structured_of_each(fit: Fit, problem: Problem, noise: Noise) -> Array:
+    """Return the same of each kind of reading: of a fabric its stresses, its contraction, how stiff specimens are."""
     each = _beyond_of_each(fit, problem)
     if len(each) == 1:
         each = [fit.chi2 / _degrees(fit) - 1.0]
-    return np.sqrt(np.maximum(each, 0.0))
+    return np.sqrt(np.maximum([*each, *_beyond_of_stiffness(fit, noise)], 0.0))
+
+
+def _beyond_of_stiffness(fit: Fit, noise: Noise) -> list[float]:
+    """Return by how much more specimens are off in stiffness than they scatter, as mean square, less what chance does.
+
+    That is one value of a specimen, which its many readings would hide.
+    """
+    if not noise.gain_sd:
+        return []
+    off = noise.at(fit.predicted).stiffness(fit.residual, SMALL / 2.0)
+    return [float(np.mean(off**2)) - 1.0 - 2.0 * float(np.sqrt(2.0 / len(off)))]
 
 
 def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:

@@ -100,9 +100,18 @@ class Noise:
                 scaled[rows] = part - shrink * np.multiply.outer(shape, shape @ part)
         return scaled
 
-    def stiffness(self, whitened: Array) -> Array:
-        """Return what of whitened values (rows) is alike to another stiffness, of each specimen: by chance unit too."""
-        return np.array([shape @ whitened[rows] for rows, shape, _ in self._shapes()])
+    def stiffness(self, whitened: Array, miss: float) -> Array:
+        """Return what of whitened values (rows) is as another stiffness would be, of each specimen.
+
+        In its standard deviation: that of the readings, of all that specimens may scatter by, and of a smooth ``miss``
+        (in standard deviations of a reading) of any model.
+        """
+        widest = replace(self, gain_sd=max(self.gain_sd, self.gain_doubt))
+        off = []
+        for (rows, shape, shrink), (_, _, most) in zip(self._shapes(), widest._shapes(), strict=True):
+            variance = 1.0 / (1.0 - most) ** 2 + miss**2 * len(rows)
+            off.append(float(shape @ whitened[rows]) / (1.0 - shrink) / np.sqrt(variance))
+        return np.array(off)
 
     def _along(self, scaled: Array) -> Array:
         rho = self.correlation

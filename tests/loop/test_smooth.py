@@ -15,6 +15,7 @@ from scipy.interpolate import CubicSpline
 from hyperfab.loop.belief import belief, surprise
 from hyperfab.loop.engine import close
 from hyperfab.loop.heldout import HeldOut, help_of
+from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
 from hyperfab.materials.effects import compressibility, grip_slack, load_offset, mullins, permanent_set, ways
 from hyperfab.materials.effects.elastic_law import FORMS
@@ -260,7 +261,8 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     fit = SimpleNamespace(
         residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms
     )
-    return SimpleNamespace(ids=names, problem=problem, fit=fit)
+    noise = Noise(np.ones(len(fit.residual)), np.inf, "stated")
+    return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=fit)
 
 
 def test_probabilities_are_of_one_whole_and_follow_what_is_left() -> None:
