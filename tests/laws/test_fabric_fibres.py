@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.chapters.fit.identify import Identified, Setting, along_direction, identify
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.materials import bind, laws
@@ -59,6 +60,32 @@ def test_own_constants_are_recovered_from_warp_and_weft() -> None:
     found = fit_law(Problem(laws()["fabric-fibres"], Rows.of(curves, axes=(1, 2))))
     assert found is not None
     assert list(found.material.parameters.values()) == pytest.approx(list(TRUTH.values()), rel=1e-8)
+
+
+@pytest.mark.parametrize("direction", [0.0, 90.0, None])
+def test_a_general_biaxial_test_is_along_the_fibres_that_its_first_axis_is_cut_along(
+    direction: float | None,
+) -> None:
+    """The first axis along the weft, or along the warp where it is not said: seen from both ways the law meets it."""
+    lam = np.linspace(1.02, 1.5, 12)
+    first, second = lam, 1.0 + 0.5 * (lam - 1.0)
+    pulled = (fabric().turned() if direction == 90.0 else fabric()).membrane(first, second)
+    strips = [
+        TestCurve("uniaxial", lam, one.uniaxial(lam).P, direction=way)
+        for one, way in ((fabric(), 0.0), (fabric().turned(), 90.0))
+    ]
+    both = TestCurve(
+        "biaxial-general", first, pulled.P1, stretch2=second, stress2=pulled.P2, direction=direction
+    )
+    setting = Setting(("uniaxial", "biaxial-general"), True, False, 0.3)
+    found = identify(laws()["fabric-fibres"], [*strips, both], setting)
+    assert isinstance(found, Identified)
+    assert list(found.material.parameters.values()) == pytest.approx(list(TRUTH.values()), rel=1e-6)
+    seen = [found, *(along_direction(found, way, [both], setting) for way in ("warp", "weft"))]
+    for part in seen if direction is None else [found, seen[1 if direction == 0.0 else 2]]:
+        figures = part.tests["biaxial-general"][0]
+        assert figures is not None
+        assert figures.relative_rms < 1e-9
 
 
 def test_who_does_not_know_about_directions_is_refused() -> None:

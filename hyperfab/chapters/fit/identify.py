@@ -183,6 +183,8 @@ def predict(found: Identified, curve: TestCurve) -> tuple[Array, Array | None]:
     material = found.material_at(curve.temperature)
     if _axis(found.law, curve) == 2 and found.along != "weft":
         material = material.turned()
+    elif curve.mode == "biaxial-general" and curve.direction_name is None and found.along == "weft":
+        material = material.turned()  # where none is stated the first axis is the warp
     if curve.stretch2 is not None and curve.mode == "biaxial-general":
         answer = material.membrane(curve.stretch, curve.stretch2)
         return answer.P1, answer.P2

@@ -53,8 +53,12 @@ class Rows:
                 if curve.stretch2 is None or curve.stress2 is None or curve.weight2 is None:
                     raise ValueError("a general biaxial curve needs stretch2, stress2 and weight2")
                 one, two = curve.stretch, curve.stretch2
-                parts.append((one, two, curve.stress, weight, False, 0, number, group))
-                parts.append((one, two, curve.stress2, curve.weight2, False, 1, number, group))
+                sides = ((curve.stress, weight, axis - 1), (curve.stress2, curve.weight2, 2 - axis))
+                if axis == 2:
+                    one, two = two, one
+                parts += [
+                    (one, two, stress, own, False, along, number, group) for stress, own, along in sides
+                ]
             else:
                 second = second_stretch(curve.mode, curve.stretch)
                 one, two = (curve.stretch, second) if axis == 1 else (second, curve.stretch)
