@@ -6,10 +6,13 @@ from hyperfab import __version__
 from hyperfab.cases.about import ExportCase
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import UsageError
 from hyperfab.io.output import check_place, write_single
 from hyperfab.materials.export import NoCard, Settings, format_called, formats
+from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.stability import stable_ranges
 
 
 def run(job: Job, case: ExportCase) -> int:
@@ -33,7 +36,7 @@ def run(job: Job, case: ExportCase) -> int:
         name=case.name,
         bulk_modulus=case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa,
         density=case.density * 1e-12,
-        comments=_comments(fabric, direction),
+        comments=_comments(fabric, law, direction),
     )
     try:
         card = (
@@ -84,7 +87,7 @@ def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
         job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}")
 
 
-def _comments(fabric: FabricDocument, direction: str | None) -> list[str]:
+def _comments(fabric: FabricDocument, law: Material | Orthotropic, direction: str | None) -> list[str]:
     """Return what a reader of the card should know, a line each."""
     source, shown = fabric.document, fabric.temperature
     lines = [f"hyperfab {__version__}: {source.model}; units N, mm, MPa, t, s"]
@@ -98,8 +101,17 @@ def _comments(fabric: FabricDocument, direction: str | None) -> list[str]:
         fit = source.directions[direction].fit
     if fit is not None:
         lines.append(f"relative rms {fit.relative_rms:.4g} over {fit.points} readings")
-    part = source.directions[direction] if direction is not None and source.directions else source
-    for mode, stable in (part.stability or {}).items():
-        if stable.first_unstable_stretch is not None:
-            lines.append(f"{mode}: unstable from stretch {stable.first_unstable_stretch:.4g}")
+    for mode, first in _first_unstable(source, law, direction).items():
+        if first is not None:
+            lines.append(f"{mode}: unstable from stretch {first:.4g}")
     return lines
+
+
+def _first_unstable(
+    source: MaterialDocument, law: Material | Orthotropic, direction: str | None
+) -> dict[str, float | None]:
+    """Return the stretch of each mode from which the card's own constants are unstable, None where there is none."""
+    if isinstance(law, Material):  # at the temperature asked for, of which the document says nothing
+        return {mode: one.first_unstable for mode, one in stable_ranges(law).items()}
+    part = source.directions[direction] if direction is not None and source.directions else source
+    return {mode: one.first_unstable_stretch for mode, one in (part.stability or {}).items()}

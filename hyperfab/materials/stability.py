@@ -142,3 +142,13 @@ def stable_over(ranges: Mapping[str, Range], reach: Mapping[str, tuple[float, fl
         for mode, (low, high) in reach.items()
         if mode in ranges
     )
+
+
+def stable_at(material: Material, pairs: Array) -> bool:
+    """Say whether every one of ``pairs`` of in-plane stretches (n, 2) is stable.
+
+    >>> from hyperfab.materials import bind
+    >>> stable_at(bind("neo-hookean", {"C10_MPa": 0.2}), np.array([[1.5, 1.2], [2.0, 0.8]]))
+    True
+    """
+    return bool((margin(material, pairs[:, 0], pairs[:, 1]) > _ROUNDING).all())

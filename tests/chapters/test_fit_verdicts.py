@@ -16,6 +16,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.materials import bind
 from hyperfab.materials.modes import MODES
 from hyperfab.materials.registry import law
+from hyperfab.materials.stability import Range, stable_ranges
 from trials.unseen import synthetic, trial
 
 LAM = np.linspace(1.02, 1.6, 40)
@@ -154,6 +155,52 @@ def test_a_temperature_that_no_fabric_has_is_asked_about(
     done = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 0
     assert ("no temperature of a fabric" in done.stderr.decode()) is odd
+
+
+def test_constants_of_every_temperature_are_stable_where_the_verdict_says_so(hf: Run, tmp_path: Path) -> None:
+    """At 23 degC a neo-Hookean sheet, at 80 one whose stress falls from a stretch of 1.45: of that the verdict is."""
+    lam = np.linspace(1.1, 2.5, 15)
+    falls = 0.3 * (lam - 1.0) * np.exp(-2.2 * (lam - 1.0))
+    write(tmp_path, "room.csv", lam, yeoh(0.3, 0.0, lam), "# temperature: 23 degC")
+    write(tmp_path, "hot.csv", lam, falls, "# temperature: 80 degC")
+    words = ("fit", "--uniaxial", "room.csv", "--uniaxial", "hot.csv", "--model", "yeoh-3", "-o", "free.json")
+    done = hf(*words, cwd=tmp_path)
+    free = json.loads((tmp_path / "free.json").read_text())
+    assert free["stable"] is False
+    first = [one.first_unstable for one in _ranges(free["temperatures"][1]["parameters"])]
+    assert f"at 80 degC: first unstable stretch uniaxial {first[0]:.3f}" in done.stderr.decode()
+    alone = ("export", "free.json", "--to", "abaqus", "--temperature")
+    assert "unstable from" not in hf(*alone, "23degC", cwd=tmp_path).stdout.decode()
+    assert (
+        f"uniaxial: unstable from stretch {first[0]:.4g}"
+        in hf(*alone, "80degC", cwd=tmp_path).stdout.decode()
+    )
+    assert json.loads(hf(*words[:-2], "--stable", cwd=tmp_path).stdout)["stable"] is True
+
+
+def _ranges(parameters: dict[str, float]) -> list[Range]:
+    return list(stable_ranges(bind("yeoh-3", parameters)).values())
+
+
+@pytest.mark.parametrize("demanded", [False, True])
+def test_pairs_of_stretches_that_were_tested_are_stable_where_the_verdict_says_so(demanded: bool) -> None:
+    """The stress of a general biaxial test falls: constants that follow it are unstable at its own pairs."""
+    one = np.linspace(1.05, 1.8, 12)
+    two = 1.0 + 0.6 * (one - 1.0)
+    soft = np.exp(-2.5 * (one - 1.0))
+    pulled, across = (0.6 * (a - a**-3 * b**-2) * soft for a, b in ((one, two), (two, one)))
+    curve = TestCurve("biaxial-general", one, pulled, np.ones(12), stretch2=two, stress2=across)
+    found = identify(law("yeoh-2"), [curve], Setting(("biaxial-general",), True, demanded, 1.0))
+    assert isinstance(found, Identified)
+    c10, c20 = found.material.parameters.values()
+    l3 = 1.0 / (one * two)
+    least = []
+    for a, b, c in zip(one, two, l3, strict=True):  # the smaller eigenvalue of dt/de, by hand
+        w1, w11 = c10 + 2.0 * c20 * (a * a + b * b + c * c - 3.0), 2.0 * c20
+        x = 2.0 * np.array([a * a - c * c, b * b - c * c])
+        D = w1 * 4.0 * (np.diag([a * a, b * b]) + c * c) + w11 * np.outer(x, x)
+        least.append(np.linalg.eigvalsh(D)[0])
+    assert found.stable is demanded is bool(min(least) > 0.0)
 
 
 @pytest.mark.slow

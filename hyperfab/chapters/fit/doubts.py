@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -37,9 +38,7 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             continue
         where = f" ({name})" if name else ""
         if not part.stable:
-            ends = {m: r.first_unstable for m, r in part.ranges.items() if r.first_unstable is not None}
-            first = ", ".join(f"{mode} {stretch:.3f}" for mode, stretch in ends.items())
-            found.append(f"not Drucker-stable over the data{where}: first unstable stretch {first}")
+            found.append(f"not Drucker-stable over the data{where}{_first_unstable(part)}")
         if part.fit.at_bound and part.along != "weft":
             found.append(
                 f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests do not bound it"
@@ -59,6 +58,19 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
         found += _wild(part, setting, where)
         found += _single_readings(part, rows_of(part, sets, name), setting)
     return found
+
+
+def _first_unstable(part: Identified) -> str:
+    """Return the first unstable stretch of each mode, at the temperature where it comes first."""
+    ends = [
+        {mode: one.first_unstable for mode, one in ranges.items() if one.first_unstable is not None}
+        for ranges in part.every_range
+    ]
+    number = min(range(len(ends)), key=lambda k: min(ends[k].values(), default=math.inf))
+    if not ends[number]:
+        return ""
+    at = f" at {part.temperatures[number]:g} degC" if len(ends) > 1 else ""
+    return f"{at}: first unstable stretch " + ", ".join(f"{m} {s:.3f}" for m, s in ends[number].items())
 
 
 def _wild(part: Identified, setting: Setting, where: str) -> list[str]:

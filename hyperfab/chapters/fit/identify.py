@@ -16,7 +16,7 @@ from hyperfab.materials.identification import Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
 from hyperfab.materials.law import Law
 from hyperfab.materials.modes import MODES, nominal_stress
-from hyperfab.materials.stability import Range, stable_over, stable_ranges
+from hyperfab.materials.stability import Range, stable_at, stable_over, stable_ranges
 
 #: The temperature [degC] a material is described at, where tests were made at several.
 ROOM = 23.0
@@ -41,8 +41,10 @@ class Identified:
     """One law on one set of curves.
 
     ``materials`` are the constants at each of ``temperatures`` (one, None, where the tests tell none); ``reference``
-    is the number of the one the material is described at. ``tests`` has the figures of every test, None where it
-    reaches beyond the law's limit. ``along`` is the direction that is the materials' first axis; None is the warp.
+    is the number of the one the material is described at. ``every_range`` has the stable stretches of each mode at
+    each temperature; ``stable`` says whether the constants of all of them are stable over the tests. ``tests`` has the
+    figures of every test, None where it reaches beyond the law's limit. ``along`` is the direction that is the
+    materials' first axis; None is the warp.
     """
 
     law: Law
@@ -54,7 +56,7 @@ class Identified:
     per_temperature: tuple[Figures | None, ...]
     tests: dict[str, tuple[Figures | None, int, bool]]
     certainties: tuple[Certainty, ...]
-    ranges: dict[str, Range]
+    every_range: tuple[dict[str, Range], ...]
     stable: bool
     along: str | None = None
     specimens: int = 0
@@ -63,6 +65,11 @@ class Identified:
     def certainty(self) -> Certainty:
         """How sure the constants at the reference temperature are."""
         return self.certainties[self.reference]
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """The stable stretches of each mode at the reference temperature."""
+        return self.every_range[self.reference]
 
     @property
     def material(self) -> Material:
@@ -86,16 +93,17 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     wanted = len(problem.free) * rows.groups + len(problem.axes)
     if len(rows) < wanted:
         return f"{wanted} constants need as many rows, the tests fitted have {len(rows)}"
-    fit = fit_law(problem, reach(curves) if setting.stable else None)
+    fit = fit_law(problem, reach(curves) if setting.stable else None, pairs=pairs(law, curves))
     if fit is None:
-        stable = " that are stable over the data" if setting.stable else ""
-        return f"the law cannot carry these stretches with constants in its box{stable}"
+        wanted_so = " that are stable over the data" if setting.stable else ""
+        return f"the law cannot carry these stretches with constants in its box{wanted_so}"
     measured, model = rows.stress, _model_stress(fit, rows)
     total = figures(measured, model)
     if total is None:
         return "the law has no finite stress on these rows"
-    ranges = stable_ranges(fit.materials[reference])
-    if setting.stable and not stable_over(ranges, reach(curves)):
+    ranges = tuple(stable_ranges(material) for material in fit.materials)
+    stable = _stable(fit.materials, ranges, pairs(law, curves), curves)
+    if setting.stable and not stable:
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
     specimens, kinds = [specimen_of(one) for one in used], [kind_of(one) for one in used]
@@ -111,8 +119,8 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
         per_temperature=tuple(per_temperature),
         tests={},
         certainties=tuple(sure),
-        ranges=ranges,
-        stable=stable_over(ranges, reach(curves)),
+        every_range=ranges,
+        stable=stable,
         specimens=len({specimen_of(one) for one in used}),
     )
     found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
@@ -128,13 +136,14 @@ def along_direction(
         materials = tuple(material.turned() for material in materials)
         order = [int(k) for k in found.law.turned(list(range(len(found.law.names))))]
         sure = tuple(one.reordered(order) for one in sure)
-    ranges = stable_ranges(materials[found.reference])
+    ranges = tuple(stable_ranges(material) for material in materials)
+    both = pairs(found.law, curves)
     part = replace(
         found,
         materials=materials,
         certainties=sure,
-        ranges=ranges,
-        stable=stable_over(ranges, reach(curves)),
+        every_range=ranges,
+        stable=_stable(materials, ranges, both[:, ::-1] if name == "weft" else both, curves),
         along=name,
         tests={},
     )
@@ -155,7 +164,12 @@ def without_test(
     problem = Problem(found.law, rows)
     if len(rows) < len(problem.free) * rows.groups + len(problem.axes):
         return None
-    fit = fit_law(problem, reach(curves) if setting.stable else None, near=found.material.theta)
+    fit = fit_law(
+        problem,
+        reach(curves) if setting.stable else None,
+        near=found.material.theta,
+        pairs=pairs(found.law, curves),
+    )
     if fit is None:
         return None
     again = replace(
@@ -202,6 +216,29 @@ def reach(curves: Sequence[TestCurve]) -> dict[str, tuple[float, float]]:
                 max(high, float(curve.stretch.max())),
             )
     return found
+
+
+def pairs(law: Law, curves: Sequence[TestCurve]) -> Array:
+    """Return the stretches along the law's first axis and across it (n, 2) at the rows of general biaxial tests."""
+    found = [
+        np.stack([curve.stretch, curve.stretch2], axis=1)[:, :: -1 if _axis(law, curve) == 2 else 1]
+        for curve in curves
+        if curve.mode == "biaxial-general" and curve.stretch2 is not None
+    ]
+    return np.concatenate([np.ones((0, 2)), *found])
+
+
+def _stable(
+    materials: Sequence[Material],
+    ranges: Sequence[dict[str, Range]],
+    states: Array,
+    curves: Sequence[TestCurve],
+) -> bool:
+    """Whether the constants at every temperature are stable over the stretches of the tests, and at ``states``."""
+    return all(
+        stable_over(one, reach(curves)) and stable_at(material, states)
+        for material, one in zip(materials, ranges, strict=True)
+    )
 
 
 def tested(curves: Sequence[TestCurve], setting: Setting) -> dict[str, Tested] | None:

@@ -77,7 +77,9 @@ def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
 def _carries(part: Identified, setting: Setting) -> bool:
     """Whether a fit is within the limit, by the figure that was minimised, and its sheet does not give way at rest."""
     error = part.total.relative_rms if setting.relative else part.total.nrmse
-    return error <= setting.accept and all(one.high > _AT_REST for one in part.ranges.values())
+    return error <= setting.accept and all(
+        one.high > _AT_REST for ranges in part.every_range for one in ranges.values()
+    )
 
 
 def _results(law: Law, sets: Sets, setting: Setting) -> dict[str | None, Identified | str]:

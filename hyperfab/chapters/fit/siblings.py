@@ -70,13 +70,13 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
     for name, part in _parts(best):
         lines = []
         for mode in dict.fromkeys(curve.mode for curve in sets[name]):
-            for temperature in part.temperatures:
+            for number, temperature in enumerate(part.temperatures):
                 curves = [c for c in sets[name] if c.mode == mode and c.temperature in (temperature, None)]
                 if not curves or mode not in MODES:
                     continue
                 grid = grid_of(curves, 201, 1.0)
-                model = nominal_stress(part.material_at(temperature), mode, grid)
-                unstable = part.ranges[mode].first_unstable
+                model = nominal_stress(part.materials[number], mode, grid)
+                unstable = part.every_range[number][mode].first_unstable
                 lines.append(line(curves, temperature, (grid, model), setting.fit_on, unstable))
         title = f"{best.law.name}{', ' + name if name else ''}: relative rms {part.total.relative_rms:.3f}"
         panels.append((title, lines))

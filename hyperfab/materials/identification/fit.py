@@ -14,8 +14,8 @@ from hyperfab.materials.identification.search import starts, thinned
 from hyperfab.materials.identification.stable import SLACKS, stable_optimum
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
+from hyperfab.materials.stability import stable_at, stable_ranges
 from hyperfab.materials.stability import stable_over as stable
-from hyperfab.materials.stability import stable_ranges
 
 #: Rows beyond which not every start is followed on all of them.
 MANY = 800
@@ -47,13 +47,17 @@ class Fit:
 
 
 def fit_law(
-    problem: Problem, stable_over: Reach | None = None, near: Sequence[float] | None = None
+    problem: Problem,
+    stable_over: Reach | None = None,
+    near: Sequence[float] | None = None,
+    pairs: Array | None = None,
 ) -> Fit | None:
     """Return the global optimum of the weighted least squares; None where the law cannot carry the rows at all.
 
     Laws linear in their constants are solved by QR of the scaled design matrix; the others by variable
     projection, from a scan of the box, polished. With ``stable_over`` (mode: lowest and highest stretch) the best
-    constants that are Drucker-stable there are returned, which the caller may verify. ``near`` are nonlinear
+    constants that are Drucker-stable there, and at ``pairs`` of stretches (n, 2), are returned, which the caller may
+    verify. ``near`` are nonlinear
     constants to start from in place of the scan: the optimum of a part of the rows near that of all.
 
     >>> from hyperfab.materials import law
@@ -66,20 +70,23 @@ def fit_law(
     {'C10_MPa': 0.4}
     """
     found = _free_optimum(problem, near)
-    if found is None or stable_over is None or _is_stable(found, stable_over):
+    if found is None or stable_over is None or _is_stable(found, stable_over, pairs):
         return found
     for share in SLACKS:
-        optimum = stable_optimum(problem, stable_over, share)
+        optimum = stable_optimum(problem, stable_over, share, pairs)
         if optimum is None:
             return None
         found = _fit(problem, *optimum)
-        if _is_stable(found, stable_over):
+        if _is_stable(found, stable_over, pairs):
             break
     return found
 
 
-def _is_stable(found: Fit, reach: Reach) -> bool:
-    return all(stable(stable_ranges(material), reach) for material in found.materials)
+def _is_stable(found: Fit, reach: Reach, pairs: Array | None) -> bool:
+    return all(
+        stable(stable_ranges(material), reach) and (pairs is None or stable_at(material, pairs))
+        for material in found.materials
+    )
 
 
 def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:

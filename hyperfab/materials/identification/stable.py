@@ -39,14 +39,20 @@ class States:
     d22: Array
 
 
-def states(problem: Problem, theta: list[float], reach: Mapping[str, tuple[float, float]]) -> States:
-    """Return the matrices dt/de of each free term over the stretches of ``reach`` (mode: lowest, highest)."""
+def states(
+    problem: Problem, theta: list[float], reach: Mapping[str, tuple[float, float]], pairs: Array | None = None
+) -> States:
+    """Return the matrices dt/de of each free term over the stretches of ``reach`` (mode: lowest, highest) and at
+    ``pairs`` of them (n, 2)."""
     nu = problem.law.contraction(theta)
     stretch, second = [], []
     for mode, (low, high) in reach.items():
         lam = np.geomspace(low / (1.0 + _BEYOND), high * (1.0 + _BEYOND), _POINTS)
         stretch.append(lam)
         second.append(second_stretch(mode, lam, nu))
+    if pairs is not None:
+        stretch.append(pairs[:, 0])
+        second.append(pairs[:, 1])
     sheet = Sheet.of(np.concatenate(stretch), np.concatenate(second))
     parts: list[list[Array]] = [[], [], []]
     with np.errstate(all="ignore"):
@@ -60,16 +66,22 @@ def states(problem: Problem, theta: list[float], reach: Mapping[str, tuple[float
 
 
 def stable_constants(
-    problem: Problem, u: Array, reach: Mapping[str, tuple[float, float]], share: float = SLACKS[0]
+    problem: Problem,
+    u: Array,
+    reach: Mapping[str, tuple[float, float]],
+    share: float = SLACKS[0],
+    pairs: Array | None = None,
 ) -> tuple[Array, float] | None:
-    """Return the best stable linear constants at ``u`` and their square sum; None where there are none.
+    """Return the best linear constants at ``u`` that are stable over ``reach`` and at ``pairs``, and their square sum.
+
+    None where there are none.
 
     With several groups of rows each group's constants are stable.
     """
     with np.errstate(all="ignore"):
         A = problem.design(u)
     theta = [float(value) for value in problem.theta(list(u))]
-    D = states(problem, theta, reach)
+    D = states(problem, theta, reach, pairs)
     if not (np.isfinite(A).all() and all(np.isfinite(part).all() for part in (D.d11, D.d12, D.d22))):
         return None
     groups, width = problem.rows.groups, len(problem.free)
@@ -140,7 +152,10 @@ def constrained(A: Array, b: Array, G: Array, least: float = 0.0) -> Array | Non
 
 
 def stable_optimum(
-    problem: Problem, reach: Mapping[str, tuple[float, float]], share: float = SLACKS[0]
+    problem: Problem,
+    reach: Mapping[str, tuple[float, float]],
+    share: float = SLACKS[0],
+    pairs: Array | None = None,
 ) -> tuple[Array, Array] | None:
     """Return ``u`` and the linear constants of the best stable fit, or None where no constants are stable.
 
@@ -148,7 +163,7 @@ def stable_optimum(
     pattern of shrinking steps: the stable optimum often sits on a kink, where slopes do not help.
     """
     if not problem.axes:
-        found = stable_constants(problem, np.zeros(0), reach, share)
+        found = stable_constants(problem, np.zeros(0), reach, share, pairs)
         return None if found is None else (np.zeros(0), found[0])
     points = box_points(problem.axes, _SCAN[min(len(problem.axes), 2)])
     # Without stability the fit is no worse: points that lose even so need no convex problem.
@@ -157,28 +172,34 @@ def stable_optimum(
     for k in np.argsort(bound, kind="stable"):
         if not bound[k] < value:
             break
-        found = stable_constants(problem, points[k], reach, share)
+        found = stable_constants(problem, points[k], reach, share, pairs)
         if found is not None and found[1] < value:
             value, best = found[1], points[k]
     if best is None:
         return None
-    best = _pattern(problem, best, reach)
-    found = stable_constants(problem, best, reach, share)
+    best = _pattern(problem, best, reach, share, pairs)
+    found = stable_constants(problem, best, reach, share, pairs)
     return None if found is None else (best, found[0])
 
 
-def _pattern(problem: Problem, u: Array, reach: Mapping[str, tuple[float, float]]) -> Array:
+def _pattern(
+    problem: Problem,
+    u: Array,
+    reach: Mapping[str, tuple[float, float]],
+    share: float,
+    pairs: Array | None,
+) -> Array:
     """Walk downhill from ``u`` in steps along the axes and along the last success, halving where none helps."""
     low = np.array([axis.low for axis in problem.axes])
     high = np.array([axis.high for axis in problem.axes])
     size = 1.0 / _SCAN[min(len(low), 2)]
-    value = np.inf if (start := stable_constants(problem, u, reach)) is None else start[1]
+    value = np.inf if (start := stable_constants(problem, u, reach, share, pairs)) is None else start[1]
     directions = [sign * one for one in np.diag(high - low) for sign in (1.0, -1.0)]
     while size > 1e-6:
         before = u
         for direction in directions:
             trial = np.clip(u + size * direction, low, high)
-            found = stable_constants(problem, trial, reach)
+            found = stable_constants(problem, trial, reach, share, pairs)
             if found is not None and found[1] < value:
                 u, value = trial, found[1]
         if u is before:
