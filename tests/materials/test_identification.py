@@ -222,6 +222,41 @@ def test_a_law_with_more_powers_than_the_readings_bear_falls_back_on_fewer() -> 
     assert two.sse <= one.sse * (1.0 + 1e-6)
 
 
+@pytest.mark.parametrize("kind", ["stiffens and softens", "softens"])
+def test_a_power_more_is_never_worse(kind: str) -> None:
+    """Here the best constants of more powers are those of one, the others zero: any other set is worse."""
+    e = np.linspace(0.0, 0.6, 16)[1:]
+    stress = e * np.exp(-1.2 * e)
+    if kind != "softens":
+        stress = 0.05 * e + 0.4 / (1.0 + np.exp(-15.0 * (e - 0.35))) - 0.4 / (1.0 + np.exp(5.25))
+    rows = Rows.of([TestCurve("uniaxial", 1.0 + e, stress, 1.0 / stress)])
+    sums = []
+    for order in (1, 2, 3):
+        found = fit_law(Problem(laws()[f"ogden-{order}"], rows))
+        assert found is not None
+        sums.append(found.sse)
+    assert sums[1] <= sums[0] * (1.0 + 1e-9)
+    assert sums[2] <= sums[1] * (1.0 + 1e-9)
+
+
+def test_the_narrow_valley_of_the_extended_tube_is_found() -> None:
+    """About 2 delta^2 = 1 the chains' stiffness at rest changes its sign: what fits a curve that begins slack."""
+    lam = np.linspace(1.0, 1.6, 16)[1:]
+    stress = 0.01 * np.expm1(12.0 * (lam - 1.0))
+    found = fit_law(
+        Problem(laws()["extended-tube"], Rows.of([TestCurve("uniaxial", lam, stress, 1.0 / stress)]))
+    )
+    assert found is not None
+    # By differential evolution on the law's stresses written out: Gc 14.57, Ge 2.03 MPa, delta 0.753.
+    gc, ge, d, beta = 14.57124, 2.032059, 0.7526612**2, 1e-3
+    x = lam**2 + 2.0 / lam - 3.0
+    slope = 0.5 * gc * ((1.0 - d) / (1.0 - d * x) ** 2 - d / (1.0 - d * x))
+    known = 2.0 * slope * (lam - lam**-2) - 2.0 * ge / beta * (
+        lam ** (-beta - 1.0) - lam ** (0.5 * beta - 1.0)
+    )
+    assert found.sse <= 1.001 * float(np.sum((1.0 - known / stress) ** 2))
+
+
 def test_long_tests_give_the_constants_of_all_their_rows() -> None:
     lam = np.linspace(1.01, 4.0, 3000)
     stress = (

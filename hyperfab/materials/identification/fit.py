@@ -21,6 +21,8 @@ from hyperfab.materials.stability import stable_over as stable
 MANY = 800
 #: The power of a term that takes no part.
 _IDLE = 2.0
+#: A term that gains less than this share of the square sum is rounding.
+_NO_GAIN = 1e-9
 
 Reach = Mapping[str, tuple[float, float]]
 
@@ -104,19 +106,24 @@ def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
         few = polish(thinned(problem, MANY), points, finish=False)
         points = few.u if len(few.u) == 1 else points
     state = polish(problem, points)
-    if not np.isfinite(state.sse).any():
-        return _with_idle_term(problem)
-    u, c = state.u[0], state.projection.c[0]
-    if problem.law.exchangeable:
-        order = problem.law.order([float(value) for value in problem.theta(list(u))])
-        u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
-    return _fit(problem, u, c)
+    there = bool(np.isfinite(state.sse).any())
+    fewer = None if there and near is not None else _with_idle_term(problem)
+    found = None
+    if there:
+        u, c = state.u[0], state.projection.c[0]
+        if problem.law.exchangeable:
+            order = problem.law.order([float(value) for value in problem.theta(list(u))])
+            u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
+        found = _fit(problem, u, c)
+    if found is None or (fewer is not None and fewer.sse < found.sse * (1.0 - _NO_GAIN)):
+        return fewer
+    return found
 
 
 def _with_idle_term(problem: Problem) -> Fit | None:
-    """Return the optimum of the law with one term less, and that term with the constant zero.
+    """Return the optimum of the law with one term less, and that term with the constant zero; None where none is less.
 
-    This is the optimum where every set of terms has one whose constant would need the wrong sign.
+    This is the optimum where the best set of terms has one whose constant would need the wrong sign.
     """
     lower = problem.law.lower()
     found = None if lower is None else _free_optimum(Problem(lower, problem.rows), None)
