@@ -12,7 +12,7 @@ from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Axis
 
 #: Points along one axis, by the number of axes.
-_POINTS = {1: 61, 2: 25, 3: 13}
+_POINTS = {1: 61, 2: 49, 3: 13}
 #: Rows that the scan looks at; the polish sees all.
 _ROWS = 240
 #: How many starts are polished.
