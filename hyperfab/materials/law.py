@@ -134,7 +134,10 @@ class Law(ABC):
         return []
 
     def sign(self, theta: Sequence[Value]) -> Value | None:
-        """Return the sign each linear constant must have (array, +1 or -1), or None where all are free."""
+        """Return the sign each linear constant must have (array, +1 or -1), or None where all are free.
+
+        nan where the nonlinear constants are none that a fit takes.
+        """
         return None
 
     def order(self, theta: Sequence[float]) -> list[int]:

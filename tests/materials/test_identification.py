@@ -239,6 +239,26 @@ def test_a_power_more_is_never_worse(kind: str) -> None:
     assert sums[2] <= sums[1] * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_no_power_is_so_near_to_zero_that_its_constant_means_nothing(order: int) -> None:
+    """In planar tension alone the power of a curve that saturates goes to zero, and mu with it beyond all bounds."""
+    lam = np.linspace(1.0, 2.5, 12)[1:]
+    stress = (lam - 1.0) * np.exp(-2.0 * (lam - 1.0))
+    found = fit_law(
+        Problem(laws()[f"ogden-{order}"], Rows.of([TestCurve("shear", lam, stress, 1.0 / stress)]))
+    )
+    assert found is not None
+    powers = list(zip(found.material.c, found.material.theta, strict=True))
+    assert all(abs(mu) < 1e3 for mu, _ in powers)
+    assert all(abs(alpha) >= 1e-3 for _, alpha in powers)
+    model = sum(mu * (lam ** (alpha - 1.0) - lam ** (-alpha - 1.0)) for mu, alpha in powers)
+    logarithm = np.log(lam) / lam  # what the power is at zero, its constant by least squares
+    best = (logarithm / stress).sum() / ((logarithm / stress) ** 2).sum() * logarithm
+    E2, least = (float(np.sum((1.0 - one / stress) ** 2)) for one in (model, best))
+    assert found.sse == pytest.approx(E2, rel=1e-10)
+    assert pytest.approx(least, rel=1e-4) == E2
+
+
 def test_the_narrow_valley_of_the_extended_tube_is_found() -> None:
     """About 2 delta^2 = 1 the chains' stiffness at rest changes its sign: what fits a curve that begins slack."""
     lam = np.linspace(1.0, 1.6, 16)[1:]

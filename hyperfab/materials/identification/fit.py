@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
-from hyperfab.materials.identification.search import starts, thinned
+from hyperfab.materials.identification.search import beside, starts, thinned
 from hyperfab.materials.identification.stable import SLACKS, stable_optimum
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
@@ -100,14 +100,21 @@ def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
             return None
         c = least_norm(A, problem.b)
         return _fit(problem, u, c)
-    points = starts(problem) if near is None else problem.coordinates(near)[None]
+    fewer = None
+    if near is not None:
+        points = problem.coordinates(near)[None]
+    else:
+        points, fewer = starts(problem), _with_idle_term(problem)
+        if fewer is not None:
+            points = np.concatenate([points, beside(problem, problem.coordinates(fewer.material.theta))])
     if near is None and len(problem.rows) > MANY:
         # Long tests: the starts are compared on some of the rows, the best one is finished on all.
         few = polish(thinned(problem, MANY), points, finish=False)
         points = few.u if len(few.u) == 1 else points
     state = polish(problem, points)
     there = bool(np.isfinite(state.sse).any())
-    fewer = None if there and near is not None else _with_idle_term(problem)
+    if near is not None and not there:
+        fewer = _with_idle_term(problem)
     found = None
     if there:
         u, c = state.u[0], state.projection.c[0]

@@ -43,7 +43,7 @@ def evaluate(problem: Problem, u: Array) -> State:
         found = project(A, problem.b)
     signs = problem.signs(u)
     if signs is not None:
-        bad = bad | (found.c * signs < 0.0).any(axis=-1)
+        bad = bad | ~(found.c * signs >= 0.0).all(axis=-1)
     return State(u, found, np.where(bad, np.inf, found.sse))
 
 

@@ -31,6 +31,18 @@ def starts(problem: Problem) -> Array:
     return points[_valleys(sse)]
 
 
+def beside(problem: Problem, u: Array) -> Array:
+    """Return the most promising points (any number, axes) that differ from ``u`` (axes,) in the last coordinate alone.
+
+    Where the others are the best of a law with one term less they tell what one more adds.
+    """
+    points = np.tile(u, (_POINTS[1], 1))
+    points[:, -1] = np.linspace(problem.axes[-1].low, problem.axes[-1].high, _POINTS[1])
+    sse = scan(thinned(problem, _ROWS), points)
+    points, sse = points[np.isfinite(sse)], sse[np.isfinite(sse)]
+    return points[_valleys(sse)] if len(sse) else points
+
+
 def box_points(axes: Sequence[Axis], count: int) -> Array:
     """Return the points of a grid over the box, ``count`` along each axis, shape (points, axes)."""
     lines = [np.linspace(axis.low, axis.high, count) for axis in axes]
@@ -61,7 +73,7 @@ def scan(problem: Problem, u: Array) -> Array:
         sse = problem.b @ problem.b - np.einsum("gj,gj->g", c, h)
     signs = problem.signs(u)
     if signs is not None:
-        bad |= (c * signs < 0.0).any(axis=1)
+        bad |= ~(c * signs >= 0.0).all(axis=1)
     return np.where(bad, np.inf, sse)
 
 

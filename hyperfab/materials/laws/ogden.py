@@ -15,6 +15,8 @@ from hyperfab.materials.term import PowerTerm, Value
 
 #: Exponents are sought here; beyond it a power is a wall that no data points lie on.
 BOX = (-30.0, 30.0)
+#: Nearer to zero than this none is taken: the power is a logarithm to four digits, and mu grows beyond all bounds.
+LEAST = 1e-3
 
 
 class Ogden(Law):
@@ -48,8 +50,9 @@ class Ogden(Law):
         return [linear_axis(*BOX) for _ in self.nonlinear]
 
     def sign(self, theta: Sequence[Value]) -> Value:
-        """mu_r has the sign of alpha_r."""
-        return np.sign(np.stack(np.broadcast_arrays(*theta)))
+        """mu_r has the sign of alpha_r; nan where that is too near to zero."""
+        alpha = np.stack(np.broadcast_arrays(*theta))
+        return np.where(np.abs(alpha) < LEAST, np.nan, np.sign(alpha))
 
     def order(self, theta: Sequence[float]) -> list[int]:
         """Positive powers first, each sign by rising magnitude."""
