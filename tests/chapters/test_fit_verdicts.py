@@ -203,6 +203,20 @@ def test_pairs_of_stretches_that_were_tested_are_stable_where_the_verdict_says_s
     assert found.stable is demanded is bool(min(least) > 0.0)
 
 
+def test_planar_tension_alone_has_stable_constants_of_every_polynomial() -> None:
+    """There I1 and I2 are one, and constants of one order are not told apart: that is no lack of stable ones."""
+    lam = np.linspace(1.0, 2.5, 10)[1:]
+    curve = TestCurve("shear", lam, (lam - 1.0) * np.exp(-1.4 * (lam - 1.0)), source="a.csv")
+    error = {}
+    for model in ("yeoh-2", "mooney-rivlin-3", "mooney-rivlin-5", "mooney-rivlin-9"):
+        found = identify(law(model), [curve], Setting(("shear",), True, True, 1.0))
+        assert isinstance(found, Identified), (model, found)
+        assert found.stable
+        error[model] = found.total.E2
+    for model, poorer in (("5", "yeoh-2"), ("5", "mooney-rivlin-3"), ("9", "mooney-rivlin-5")):
+        assert error[f"mooney-rivlin-{model}"] <= error[poorer] * (1.0 + 1e-5)
+
+
 @pytest.mark.slow
 def test_no_test_that_stiffens_is_refused_stable_constants() -> None:
     """Powers of the strain with noise, drawn: neo-Hookean constants are stable for all, so there always are some."""

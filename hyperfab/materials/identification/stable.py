@@ -27,6 +27,8 @@ SLACKS = (1e-7, 1e-5, 1e-4)
 #: The stretches are followed this share beyond the data, so that the end itself is inside.
 _BEYOND = 1e-5
 _ROUNDS = 60
+#: Below the first, scaled columns are copies of each other, whose constants count by the second beside the rows.
+_ALIKE, _SMALL = 1e-13, 1e-6
 _SCAN = {1: 61, 2: 21}
 
 
@@ -131,8 +133,11 @@ def constrained(A: Array, b: Array, G: Array, least: float = 0.0) -> Array | Non
     length = np.sqrt((A * A).sum(axis=0))
     length = np.where(length > 0.0, length, 1.0)
     Q, R = np.linalg.qr(A / length)
-    if np.abs(np.diag(R)).min() < 1e-13:
-        return None
+    if np.abs(np.diag(R)).min() < _ALIKE:
+        # What the rows cannot tell apart, as I1 and I2 in planar tension, is taken small.
+        small = _SMALL * np.eye(A.shape[1])
+        Q, R = np.linalg.qr(np.vstack([A / length, small]))
+        b = np.concatenate([b, np.zeros(A.shape[1])])
     q = Q.T @ b
     E = np.linalg.solve(R.T, (G / length).T).T
     scale = np.sqrt((E * E).sum(axis=1))
