@@ -346,7 +346,14 @@ class MaterialDocument(Document):
 
 
 def interpolated(table: list[AtTemperature], temperature_degC: float) -> Parameters:
-    """Return the constants at a temperature, linearly between the two nearest, kept beyond the ends."""
+    """Return the constants at a temperature, such that stresses go linearly between the two nearest; beyond: the ends'.
+
+    >>> rows = [(20.0, 0.4, 0.8), (80.0, 0.2, 0.2)]
+    >>> table = [AtTemperature(temperature_degC=t, parameters={"mu_MPa": mu, "f": f, "nu": 0.4}) for t, mu, f in rows]
+    >>> found = interpolated(table, 50.0)  # mu f is 0.32 and 0.04 MPa
+    >>> round(found["mu_MPa"], 12), round(found["mu_MPa"] * found["f"], 12)
+    (0.3, 0.18)
+    """
     table = sorted(table, key=lambda row: row.temperature_degC)
     if temperature_degC <= table[0].temperature_degC:
         return dict(table[0].parameters)
@@ -354,10 +361,14 @@ def interpolated(table: list[AtTemperature], temperature_degC: float) -> Paramet
         if temperature_degC <= high.temperature_degC:
             span = high.temperature_degC - low.temperature_degC
             share = (temperature_degC - low.temperature_degC) / span
-            return {
+            found = {
                 name: value + share * (high.parameters[name] - value)
                 for name, value in low.parameters.items()
             }
+            if "f" in found:  # the share of mu that the first of two brackets has: of that goes mu f linearly
+                first, last = (row.parameters["mu_MPa"] * row.parameters["f"] for row in (low, high))
+                found["f"] = (first + share * (last - first)) / found["mu_MPa"]
+            return found
     return dict(table[-1].parameters)
 
 

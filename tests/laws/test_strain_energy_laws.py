@@ -10,6 +10,7 @@ from laws.constants import CONSTANTS
 from laws.laws_mp import energy, stress
 
 from hyperfab.curve import TestCurve
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import HyperfabError, InputError
 from hyperfab.materials import Material, bind, laws
 from hyperfab.materials.identification import Problem, Rows, fit_law
@@ -52,6 +53,22 @@ def test_uniaxial_answer_is_that_of_the_sheet_free_to_contract(material: Materia
     moved = material.uniaxial(lam + 1j * h)
     np.testing.assert_allclose(found.P, moved.W.imag / h, rtol=1e-13, atol=1e-15)
     np.testing.assert_allclose(found.A, moved.P.imag / h, rtol=1e-13, atol=1e-15)
+
+
+def test_between_two_temperatures_the_stress_goes_linearly(material: Material) -> None:
+    # Each linear constant changes by a share of its own, the nonlinear ones are shared: as the tests are fitted.
+    law, share = material.law, 0.3
+    hot = law.join([c * (0.9 - 0.6 * k / len(material.c)) for k, c in enumerate(material.c)], material.theta)
+    ends = [material.parameters, hot]
+    rows = [{"temperature_degC": t, "parameters": one} for t, one in zip((20.0, 80.0), ends, strict=True)]
+    sheet = MaterialDocument(model=law.name, parameters=ends[0], temperatures=rows)
+    found = bind(law.name, sheet.constants(temperature_degC=20.0 + share * 60.0))
+    lam = np.array([0.8, 1.2, 1.6])
+    for mode in MODES:
+        cold, warm = (nominal_stress(bind(law.name, one), mode, lam) for one in ends)
+        np.testing.assert_allclose(
+            nominal_stress(found, mode, lam), (1.0 - share) * cold + share * warm, rtol=1e-12
+        )
 
 
 def test_stress_across_the_sheet_is_zero_at_the_thickness_stretch(material: Material) -> None:
