@@ -23,7 +23,7 @@ from hyperfab.materials.modes import second_stretch
 _POINTS = 400
 #: The smaller eigenvalue is kept above this share of the largest stress: rounding must not decide. Where a finer check
 #: finds that it did, more is taken.
-SLACKS = (1e-7, 1e-5, 1e-4)
+SLACKS = (1e-7, 1e-5, 1e-4, 1e-3, 1e-2)
 #: The stretches are followed this share beyond the data, so that the end itself is inside.
 _BEYOND = 1e-5
 _ROUNDS = 60
@@ -93,7 +93,7 @@ def stable_constants(
     for _ in range(_ROUNDS):
         fresh = []
         for group in range(groups):
-            for cut in _violated(D, c[group * width : (group + 1) * width]):
+            for cut in _violated(D, c[group * width : (group + 1) * width], 0.5 * slack):
                 wide = np.zeros(groups * width)
                 wide[group * width : (group + 1) * width] = cut
                 fresh.append(wide)
@@ -108,12 +108,12 @@ def stable_constants(
     return None
 
 
-def _violated(D: States, c: Array) -> list[Array]:
-    """Return the inequalities g . c >= 0 that the constants break worst, one at each low point along the states."""
+def _violated(D: States, c: Array, least: float) -> list[Array]:
+    """Return the inequalities g . c >= least that the constants break worst, one at each low point along the states."""
     d11, d12, d22 = D.d11 @ c, D.d12 @ c, D.d22 @ c
     middle, radius = 0.5 * (d11 + d22), np.hypot(0.5 * (d11 - d22), d12)
     lower = middle - radius
-    low = lower < 0.0
+    low = lower < least
     low[1:] &= lower[1:] <= lower[:-1]
     low[:-1] &= lower[:-1] <= lower[1:]
     found = []
