@@ -164,7 +164,9 @@ class CompensationPart(Part):
         description="formed less wanted: of the male as given, of that of a constant gap, then after each iteration"
     )
     wanted: WantedPart = Field(description="with the last male")
-    clearance_to_set_mm: float = Field(description="cold, with which the female stands where it stood: --gap")
+    clearance_to_set_mm: float = Field(
+        description="cold and unloaded, with which the female stands where it stood: --gap"
+    )
     gap_min_mm: float
     gap_max_mm: float
     facets: int

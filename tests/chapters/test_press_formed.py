@@ -201,6 +201,18 @@ def test_an_uneven_wish_is_formed_too_with_hot_molds_that_warm_the_sandwich_for_
     assert abs(back["wanted"]["worst_mm"]) < 0.02
 
 
+def test_a_frame_that_yields_is_set_closer_by_what_the_compensated_male_presses(plates, monkeypatch):
+    more = 'set = 1.0\npress = { stiffness = "0.1 kN/mm" }\n'
+    options = {"gap": "3mm", "wanted": "2.5mm", **DWELL}
+    status, document = form(plates, monkeypatch, more, compensate=True, **options)
+    assert status == 0
+    _, back = read_back(plates, monkeypatch, more, document, **options)
+    set_to = document["compensation"]["clearance_to_set_mm"]
+    assert back["clearance_cold_mm"] - set_to == pytest.approx(back["force_N"] / 100.0, rel=1e-6)
+    assert back["force_N"] > 10.0  # 0.1 mm and more
+    assert back["wanted"]["worst_mm"] == pytest.approx(0.0, abs=0.005)
+
+
 @pytest.mark.parametrize(("more", "wanted"), [(LAW, "6mm"), ("set = 0.0\n", "3mm")])
 def test_what_no_gap_forms_is_told_and_is_not_called_done(cups, monkeypatch, more, wanted):
     """Thicker than the sandwich; or nothing sets."""

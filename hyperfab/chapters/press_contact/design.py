@@ -55,7 +55,8 @@ def place_of_design(frame: PressFrame, made: Callable[[], Design], asked: str = 
 
 @dataclass(frozen=True)
 class _Tried:
-    """A male that was tried: the press closed on it, what it forms, what it misses by, the cold clearance to set."""
+    """A male that was tried: the press closed on it, what it forms, what it misses by, the clearance to set, cold and
+    before the frame yields."""
 
     closed: Closed
     found: Formed
@@ -174,6 +175,8 @@ def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wante
     again = settled(job, there)
     assert model.case.dwell is not None
     found = formed(setting, column_of(job, there, again), model.case.dwell, again)
+    if closed.case.frame is not None:
+        to_set -= again.contact.closing_force / closed.case.frame
     return _Tried(again, found, wanted.beside(found, again, frame), to_set)
 
 
