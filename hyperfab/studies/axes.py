@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from hyperfab.documents.study import AxisSection, Number, SamplingSection, StudyDocument, Value
 from hyperfab.errors import InputError
 
+#: A number and its unit, which begins with a letter or, after a space, with 1/ (1/K); 1e-6 is a number.
 _QUANTITY = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*([A-Za-z%°][^\s]*(?: [^\s]+)*)?\s*"
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)"
+    r"\s*((?:(?![eE][+-]?\d)[A-Za-z%°µμ]|(?<=\s)1/)[^\s]*(?: [^\s]+)*)?\s*"
 )
 #: Values that come out of a formula are rounded to this many digits, so that 0.1 + 0.2 reads 0.3.
 _DIGITS = 12

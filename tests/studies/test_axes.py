@@ -53,6 +53,27 @@ def test_ranges_hold_both_ends_and_units_go_into_the_column() -> None:
     assert len({tuple(level.text for level in layout.case(n).values()) for n in range(18)}) == 18
 
 
+def test_units_that_begin_with_one_over_are_units() -> None:
+    layout = Layout(
+        study(
+            {
+                "expansion": {"range": {"from": "22e-6 1/K", "to": "24e-6 1/K", "count": 3}},
+                "rate": {"values": ["0.5 1/s", "2 1/s"]},
+                "share": {"values": [1e-6, "2e-6"]},
+                "film": {"values": ["5 µm", "9 µm"]},
+            }
+        ),
+        "study.toml",
+    )
+    expansion, rate, share, film = layout.axes
+    assert [level.text for level in expansion.levels] == ["2.2e-05 1/K", "2.3e-05 1/K", "2.4e-05 1/K"]
+    assert [level.number for level in rate.levels] == [0.5, 2.0]
+    assert [level.number for level in share.levels] == [1e-6, 2e-6]
+    assert [level.number for level in film.levels] == [5.0, 9.0]
+    assert [axis.unit for axis in layout.axes] == ["1/K", "1/s", "", "µm"]
+    assert [axis.column for axis in (expansion, rate)] == ["expansion_1_K", "rate_1_s"]
+
+
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
 def test_drawn_axes_follow_their_distribution_and_their_seed(method: str) -> None:
     axes = {
