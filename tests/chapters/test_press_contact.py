@@ -183,7 +183,9 @@ def test_plates_that_just_touch_bear_as_much_as_just_before(tmp_path, monkeypatc
         assert status == 1
         grown = 23.6e-6 * (70.0 - 20.0)
         assert f"overlap by {40.0 * grown:.3f} mm" in capsys.readouterr().err
-        assert hot["force_N"] == pytest.approx(touching["force_N"] * (1.0 + grown) ** 2, rel=1e-6)
+        # Beside the walls the nearest gap is none; inside, the foam of 4.5 mm is strained by the overlap more.
+        ratio = hot["force_N"] / touching["force_N"] / (1.0 + grown) ** 2
+        assert 1.0 <= ratio <= 1.0 + 40.0 * grown / 4.5 + 1e-9
 
 
 def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):

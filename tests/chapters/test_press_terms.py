@@ -15,6 +15,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import read_vtu
+from hyperfab.samples import cup
 
 NOTHING = """
 relaxation = { share = 0.0, time = "5 s", dwell = "40 s" }
@@ -151,7 +152,8 @@ def test_nothing_touched_is_no_force_and_no_minus_sign(shop, monkeypatch):
 
 
 def test_poissons_ratio_of_a_mold_decides_how_an_uneven_heat_bends_it(tmp_path, monkeypatch):
-    """A strain that is quadratic through the thickness: the sideways stress pushes the surface out by nu."""
+    """A strain that is quadratic through the thickness: the sideways stress pushes the surface out by nu; not so on
+    the mean of it, as these stresses add up to none through the thickness."""
     male, female = block(-40.0, 0.0), block(10.0, 50.0)
     for name, (points, tets, faces) in (("male", male), ("female", female)):
         (tmp_path / f"{name}.stl").write_bytes(stl_bytes(points, faces))
@@ -168,7 +170,21 @@ def test_poissons_ratio_of_a_mold_decides_how_an_uneven_heat_bends_it(tmp_path, 
         )
         found.append(press(tmp_path, monkeypatch, gap="10mm", **heat)[1])
     assert found[0]["male"]["growth_strain"] == found[1]["male"]["growth_strain"]
-    assert found[0]["gap_mean_mm"] != pytest.approx(found[1]["gap_mean_mm"], abs=1e-4)
+    assert found[0]["gap_max_mm"] != pytest.approx(found[1]["gap_max_mm"], abs=1e-4)
+    assert found[0]["gap_mean_mm"] == pytest.approx(found[1]["gap_mean_mm"], abs=1e-4)
+
+
+def test_foam_that_is_uneven_between_the_corners_of_large_facets_is_met_there(tmp_path, monkeypatch):
+    """Plates of twelve facets; foam 4.5 (1 - 0.2 u²) mm, whose mean of 1 / (1 - 0.2 u²) is atanh(√0.2) / √0.2."""
+    for name, solid in (("male", cup.plate(-20.0, 0.0)), ("female", cup.plate(10.0, 30.0))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    (tmp_path / "foam.toml").write_text(FOAM + "variation = { xx = -0.2 }\n")
+    _, document = press(tmp_path, monkeypatch, gap="3mm")
+    root = np.sqrt(0.2)
+    exact = 0.05 * 120.0**2 * (1.0 - 3.0 / 4.5 * np.arctanh(root) / root)
+    # Thickness is linear along facets of 1/16 in u: on the mean 0.4 (1/16)² / 12 too thin, of a strain of 0.28.
+    assert document["force_N"] == pytest.approx(exact, rel=4e-4)
+    assert document["pressure_max_MPa"] == pytest.approx(0.05 / 3.0, rel=1e-6)
 
 
 def test_molds_drawn_into_each_other_are_parted_and_that_is_said(shop, monkeypatch, capsys):

@@ -22,6 +22,7 @@ from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
+from hyperfab.pressing.dense import dense
 from hyperfab.pressing.growth import Expansion
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import closing_frame
@@ -42,7 +43,10 @@ _REFERENCE_RANGE = (-50.0, 60.0)
 
 
 def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]:
-    """Read both molds and find how they close. Winding is mended and said; what cannot be mended is refused."""
+    """Read both molds and find how they close. Winding is mended and said; what cannot be mended is refused.
+
+    Gaps, temperatures and thicknesses are known at the corners of facets: large flat ones are cut.
+    """
     one, two = (_read_mold(job, name, case.stl_unit) for name in (case.male, case.female))
     failure: InputError | None = None
     # Open surfaces do not tell their outside: try as they are, then turned.
@@ -62,7 +66,12 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
                     job.console.warn(
                         f"{name}: all facets face away from the other mold; they were turned over"
                     )
-            return *surfaces, frame
+            smooth = case.facets == "smooth"
+            male, female = (
+                dense(surface, side * frame.direction, smooth)
+                for surface, side in zip(surfaces, (1.0, -1.0), strict=True)
+            )
+            return male, female, frame
     raise failure or InputError("the molds do not face each other")
 
 

@@ -1,0 +1,74 @@
+"""Large flat facets cut into small ones: what is asked at corners alone is asked everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.pressing.curved import curving
+from hyperfab.pressing.mold import LOOKING
+from hyperfab.surface import Surface
+
+#: Edges of flat facets are no longer than this part of the mold's size: what goes as a parabola from the mold's middle
+#: to its ends is met to 1/400 of its height between the corners.
+_LONGEST = 1.0 / 20.0
+#: A facet is flat whose smooth surface bulges by no more than this part of the mold's size: coordinates are single.
+_FLAT = 1e-5
+#: The corners of the facets that a facet is cut into, by which of its edges ab, bc, ca are cut: 0, 1, 2 are its own
+#: corners, 3, 4, 5 the middles of these edges.
+_CUTS = {
+    (False, False, False): ((0, 1, 2),),
+    (True, False, False): ((0, 3, 2), (3, 1, 2)),
+    (False, True, False): ((1, 4, 0), (4, 2, 0)),
+    (False, False, True): ((2, 5, 1), (5, 0, 1)),
+    (True, True, False): ((3, 1, 4), (0, 3, 4), (0, 4, 2)),
+    (False, True, True): ((4, 2, 5), (1, 4, 5), (1, 5, 0)),
+    (True, False, True): ((5, 0, 3), (2, 5, 3), (2, 3, 1)),
+    (True, True, True): ((0, 3, 5), (1, 4, 3), (2, 5, 4), (3, 4, 5)),
+}
+
+
+def dense(surface: Surface, towards: Array, smooth: bool = True) -> Surface:
+    """Return the same surface with its large flat facets that look ``towards`` (3,) the other mold cut, and their
+    neighbours where they meet them.
+
+    >>> from hyperfab.surface import Surface
+    >>> square = Surface(
+    ...     np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]])
+    ... )
+    >>> fine = dense(square, np.array([0.0, 0, 1]))
+    >>> len(fine.faces), float(fine.areas.sum().round(12))
+    (2048, 1.0)
+    """
+    vertices, faces = surface.vertices, surface.faces
+    size = float(np.ptp(vertices, axis=0).max())
+    flat = np.abs(curving(surface, smooth).bulge).max(axis=(1, 2)) <= _FLAT * size
+    flat &= surface.normals @ towards > LOOKING
+    while True:
+        vertices, faces, flat, cut = _cut(vertices, faces, flat, _LONGEST * size)
+        if not cut:
+            return surface if len(faces) == len(surface.faces) else Surface(vertices, faces)
+
+
+def _cut(vertices: Array, faces: Ints, flat: Flags, longest: float) -> tuple[Array, Ints, Flags, bool]:
+    """Return vertices, faces and which are flat, each edge of a flat face that is too long cut in its middle; and
+    whether any was."""
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, number = np.unique(sides @ np.array([len(vertices), 1]), return_inverse=True)
+    ends, number = np.stack(np.divmod(edges, len(vertices)), axis=1), number.reshape(-1, 3)
+    long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + 1e-9)
+    long &= np.bincount(number[flat].ravel(), minlength=len(ends)) > 0
+    if not long.any():
+        return vertices, faces, flat, False
+    middle = len(vertices) + np.cumsum(long) - 1
+    corners = np.concatenate([faces, middle[number]], axis=1)
+    pattern, found, kept = long[number], [], []
+    for cuts, children in _CUTS.items():
+        these = np.flatnonzero((pattern == cuts).all(axis=1))
+        for child in children:
+            found.append(corners[these][:, list(child)])
+            kept.append(these)
+    of = np.concatenate(kept)
+    order = np.argsort(of, kind="stable")
+    points = np.concatenate([vertices, vertices[ends[long]].mean(axis=1)])
+    return points, np.concatenate(found)[order], flat[of[order]], True
