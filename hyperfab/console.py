@@ -62,19 +62,20 @@ class Console:
         self.quiet = quiet
         self.warned = 0
 
-    def warn(self, text: str) -> None:
+    def warn(self, *texts: str) -> None:
         """Say what the user should know before trusting the result."""
-        self.warned += 1
-        self._line(f"hf: warning: {text}")
+        self.warned += len(texts)
+        for text in texts:
+            self._line(f"hf: warning: {text}")
 
     def count(self) -> None:
         """Say at the end how many warnings there were: the first may have scrolled away."""
         if self.warned > 1:
             self.note(f"{self.warned} warnings")
 
-    def note(self, text: str) -> None:
+    def note(self, *texts: str) -> None:
         """Say what a person at the terminal may like to know."""
-        if not self.quiet:
+        for text in () if self.quiet else texts:
             self._line(text)
 
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:

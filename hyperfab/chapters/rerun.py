@@ -62,9 +62,9 @@ class Listener(Console):
         super().__init__(quiet=True)
         self.warnings: list[str] = []
 
-    def warn(self, text: str) -> None:
-        """Keep a warning."""
-        self.warnings.append(text)
+    def warn(self, *texts: str) -> None:
+        """Keep warnings."""
+        self.warnings += texts
 
 
 @dataclass

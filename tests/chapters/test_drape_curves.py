@@ -18,11 +18,11 @@ class Listening(Console):
         super().__init__(True)
         self.said: list[str] = []
 
-    def note(self, text: str) -> None:
-        self.said.append(text)
+    def note(self, *texts: str) -> None:
+        self.said += texts
 
-    def warn(self, text: str) -> None:
-        self.said.append(text)
+    def warn(self, *texts: str) -> None:
+        self.said += texts
 
 
 @pytest.fixture

@@ -58,11 +58,11 @@ class Quiet(Console):
         super().__init__(True)
         self.said, self.noted = [], []
 
-    def warn(self, text):
-        self.said.append(text)
+    def warn(self, *texts):
+        self.said += texts
 
-    def note(self, text):
-        self.noted.append(text)
+    def note(self, *texts):
+        self.noted += texts
 
 
 def heat(folder: Path, text: str, name: str = "heat", **options):

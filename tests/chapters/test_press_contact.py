@@ -418,7 +418,7 @@ def test_a_foam_test_as_the_machine_wrote_it(shop, monkeypatch):
             FOAM.replace('{ law = "linear", modulus = "0.05 MPa" }', f'{{ table = "{name}.csv" }}')
         )
     told = []
-    monkeypatch.setattr(Console, "note", lambda _, text: told.append(text))
+    monkeypatch.setattr(Console, "note", lambda _, *texts: told.extend(texts))
     _, clean = press(shop, monkeypatch, gap="3mm", foam="clean.toml")
     assert not any("left out" in text for text in told)
     _, raw = press(shop, monkeypatch, gap="3mm", foam="raw.toml")

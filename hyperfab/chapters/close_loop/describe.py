@@ -239,11 +239,9 @@ def say(console: Console, problem: Problem, found: Finding, document: LoopDocume
     told = doubts(problem, found, document)
     document.warnings += told
     document.summary = summary(problem, found, document)
-    for text in told:
-        console.warn(text)
+    console.warn(*told)
     console.note(f"verdict: {document.verdict}")
-    for line in document.summary:
-        console.note(line)
+    console.note(*document.summary)
     rows = [
         [row.id, row.strength, f"{row.delta_bic:.0f}" if row.refitted else f"~{row.delta_bic:.0f}",
          ", ".join(row.confounded_with)]

@@ -171,8 +171,7 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
         )
     if not any(np.isfinite(test.angle_deg) for test in tests.tests) and document.directions:
         tests.warnings.append("the tests state no direction: they are taken as pulled along the warp")
-    for text in tests.warnings:
-        job.console.warn(text)
+    job.console.warn(*tests.warnings)
 
 
 def _warn_of_nearness(job: Job, model: MaterialDocument, tests: Measured) -> None:

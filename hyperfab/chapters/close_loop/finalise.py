@@ -112,8 +112,7 @@ def finish(
     """
     gone = dict(left_out or {})
     warnings = [*warnings, *told_left_out(gone)]
-    for text in warnings:
-        job.console.warn(text)
+    job.console.warn(*warnings)
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3, _REFITS)
@@ -132,8 +131,7 @@ def finish(
             tick("the documents behind the model")
             traced = upstream(found, result)
     result.summary += traced
-    for text in traced:
-        job.console.note(text)
+    job.console.note(*traced)
     return write(job, out, given, found, result)
 
 
@@ -222,8 +220,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     except HyperfabError as error:
         notes.append(f"hf {command} does not run with what was found: {error}")
         result.warnings += notes
-        for text in notes:
-            job.console.warn(text)
+        job.console.warn(*notes)
         return
     document = dict(made.document)
     tail: dict[str, Any] = {key: document.pop(key) for key in ("files", "provenance") if key in document}
@@ -240,8 +237,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     result.model = out.path(".model.json").name
     shown = [relative_name(word, target) if os.path.exists(word) or word in given else word for word in asked]
     result.model_command = shlex.join(["hf", command, *shown, "-o", result.model])
-    for text in notes:
-        job.console.warn(text)
+    job.console.warn(*notes)
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
 
 

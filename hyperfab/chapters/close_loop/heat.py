@@ -74,8 +74,7 @@ def run(job: Job, given: Given) -> int:
     level = stated_size(given.case.noise, "temperature-difference")
     builder = MoldBuilder(document, given.name, job.inputs)
     out.refuse_inputs(job.inputs)
-    for text in builder.doubts:
-        job.console.warn(text)
+    job.console.warn(*builder.doubts)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
@@ -92,8 +91,7 @@ def run(job: Job, given: Given) -> int:
         folders = (os.path.dirname(given.name), str(target.parent))
         files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders)
         files[".model.toml"] = noted(caution(found), files[".model.toml"])
-        for text in notes:
-            job.console.warn(text)
+        job.console.warn(*notes)
         result.warnings += notes
         for suffix, content in files.items():
             out.add(suffix, content)

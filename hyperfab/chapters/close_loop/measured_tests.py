@@ -71,8 +71,7 @@ def read_measured(
         every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
     unused_columns(layout, every)
     found.preparation += understood(every, aside=False)
-    for line in found.preparation:
-        job.console.note(line)
+    job.console.note(*found.preparation)
     silent = settled(how.steps) | {"unloading", "cycles"}
     found.warnings += remarks(every, silent)
     widths = [test for test in every if test.membrane]

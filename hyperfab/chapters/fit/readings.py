@@ -101,8 +101,7 @@ def read_all(
             )
     unused_columns(columns, found)
     lines = understood(found)
-    for line in lines:
-        job.console.note(line)
+    job.console.note(*lines)
     if told is not None:
         told += lines
     return found

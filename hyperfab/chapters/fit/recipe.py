@@ -121,8 +121,7 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
             before = len(readings.preparation)
             sheet = fit_sheet(along_axes(readings), setting)
             readings.preparation += sheet.gripped
-            for text in readings.preparation[before:]:
-                job.console.note(text)
+            job.console.note(*readings.preparation[before:])
             fit = sheet
     document = fit.document(readings)
     parts = {n: d.fit for n, d in (document.directions or {}).items()} or {"": document.fit}
@@ -325,8 +324,7 @@ def _of_law(figures: FitFigures | None, spread: float | None) -> None:
 
 def _tell_data(job: Job, document: MaterialDocument, figures: str) -> None:
     """Say what is wrong with the data, what of them was left out, and how well they are met."""
-    for text in document.warnings or ():
-        job.console.warn(text)
+    job.console.warn(*(document.warnings or ()))
     for reason, count in (document.left_out or {}).items():
         job.console.note(f"{number_of_rows(count)} left out: {reason}")
     job.console.note(figures)

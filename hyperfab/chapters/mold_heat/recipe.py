@@ -51,8 +51,7 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     asked = None if case.variations is None else read_variations(job.inputs, case.variations, document, mold)
     builder = MoldBuilder(document, mold, job.inputs, case.stl_unit)
     out.refuse_inputs(job.inputs)
-    for text in builder.doubts:
-        job.console.warn(text)
+    job.console.warn(*builder.doubts)
     # A mesher does not say how far it is.
     with job.console.progress("Meshing the mold", paced=False) as advance:
 
@@ -63,8 +62,7 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
 
         known = len(builder.doubts)
         problem = builder.build(waiting, job.console.note)
-    for text in builder.doubts[known:]:
-        job.console.warn(text)
+    job.console.warn(*builder.doubts[known:])
     start = builder.start_field(problem)
     size = f"{problem.model.size} unknowns in {len(problem.mesh.elements)} elements"
     if document.run.steady:  # one system of equations: it has no pace to tell beforehand
