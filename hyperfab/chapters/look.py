@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Tested
-from hyperfab.errors import UsageError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.layout import Layout
 from hyperfab.numerics.hygiene import Doubt, look
@@ -49,6 +49,15 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
             if doubt.kind not in silent:
                 found.setdefault(doubt.kind, []).append((test, doubt))
     return [*_twins(tests), *_odd_warmth(tests), *(_said(group) for group in found.values())]
+
+
+def per_width(tests: Sequence[TestData], remedy: str) -> bool:
+    """Return whether the stresses are forces per width [N/mm]; InputError where those of some tests are in MPa."""
+    widths = [test.source for test in tests if test.membrane]
+    other = next((test.source for test in tests if not test.membrane), None)
+    if widths and other is not None:
+        raise InputError(f"is in N/mm of width, {other} in MPa", file=widths[0], remedy=remedy)
+    return bool(widths)
 
 
 def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:

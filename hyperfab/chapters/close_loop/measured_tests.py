@@ -17,7 +17,7 @@ from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.close_loop.readings import told_left_out
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.look import remarks, states, understood, unused_columns
+from hyperfab.chapters.look import per_width, remarks, states, understood, unused_columns
 from hyperfab.curve import TestCurve
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
@@ -74,16 +74,8 @@ def read_measured(
     job.console.note(*found.preparation)
     silent = settled(how.steps) | {"unloading", "cycles"}
     found.warnings += remarks(every, silent)
-    widths = [test for test in every if test.membrane]
-    if widths and len(widths) < len(every):
-        if thickness is None:
-            other = next(test for test in every if not test.membrane)
-            raise InputError(
-                f"is in N/mm of width, {other.source} in MPa",
-                file=widths[0].source,
-                remedy="state the thickness in the model (thickness_mm), so that all stresses are in MPa",
-            )
-    elif widths and thickness is None:
+    remedy = "state the thickness in the model (thickness_mm), so that all stresses are in MPa"
+    if thickness is None and per_width(every, remedy):
         found.unit = "N/mm"
     for part in {id(test.left_out): test for test in every}.values():
         for reason, count in part.left_out.items():

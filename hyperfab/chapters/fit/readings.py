@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
-from hyperfab.chapters.look import remarks, understood, unused_columns
+from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
@@ -172,16 +172,8 @@ def gather(
 
 def _thickness(tests: Sequence[TestData], sheet: bool) -> tuple[float | None, bool]:
     """Return the thickness of all tests, None where bodies differ; and whether it is the nominal 1 mm of N/mm."""
-    per_width = [test for test in tests if test.membrane]
     known = [test for test in tests if test.thickness_mm is not None]
-    if per_width and len(per_width) < len(tests):
-        other = next(test for test in tests if not test.membrane)
-        raise InputError(
-            f"is in N/mm of width, {other.source} in MPa",
-            file=per_width[0].source,
-            remedy="give --thickness, so that all tests are in MPa",
-        )
-    if per_width:
+    if per_width(tests, "give --thickness, so that all tests are in MPa"):
         return 1.0, True
     sizes = sorted({test.thickness_mm for test in known if test.thickness_mm is not None})
     if len(sizes) > 1 and sizes[-1] > 1.02 * sizes[0]:
