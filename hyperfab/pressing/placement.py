@@ -44,17 +44,13 @@ def closing_frame(male: Surface, female: Surface, axis: str) -> PressFrame:
         if frame.axis == axis:
             return frame
     others = sorted({frame.axis for frame in fits})
-    if others:
-        raise InputError(
-            f"the molds do not close along {axis}",
-            remedy=f"they would along {' or '.join(others)}: use --axis {others[0]}",
-        )
-    # Drawn into each other they close too, as soon as the female is taken out.
-    parted = {name: _closing_when_parted(male, female, name) for name in axis + "xyz".replace(axis, "")}
-    mine = parted[axis]
-    if mine is not None:
-        return mine
-    others = [name for name, frame in parted.items() if frame is not None]
+    if not others:
+        # Drawn into each other they close too, as soon as the female is taken out.
+        parted = {name: _closing_when_parted(male, female, name) for name in axis + "xyz".replace(axis, "")}
+        mine = parted[axis]
+        if mine is not None:
+            return mine
+        others = [name for name, frame in parted.items() if frame is not None]
     if others:
         raise InputError(
             f"the molds do not close along {axis}",
