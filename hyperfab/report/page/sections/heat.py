@@ -126,10 +126,7 @@ def _verdict(data: Any) -> tuple[bool | None, str]:
     even = f", even to {evenness(data, spread)}" if spread is not None else ""
     if "warmup_time_s" in data:
         target = f"{number(data['target_degC'], '°C').text} " if "target_degC" in data else "the target "
-        return (
-            True,
-            f"The work surface is at {target}after {warmup(data)}{even}.",
-        )
+        return True, f"The work surface is at {target}after {warmup(data)}{even}."
     if data.get("target_reached") is False or "target_degC" in data:
         return False, f"The work surface does not reach {number(data.get('target_degC'), '°C').text}."
     return None, f"Computed to its end{even}; no target was set."

@@ -163,16 +163,13 @@ def _cases(source: Source) -> list[Part]:
                 ],
             )
         )
-    shown = rows[:: -(-len(rows) // MAX_CASES)] if rows else []
+    shown = [[index, *row] for index, row in enumerate(rows, 1)][:: max(-(-len(rows) // MAX_CASES), 1)]
     caption = f"{len(shown)} of {len(rows)} cases" if len(shown) < len(rows) else f"All {len(rows)} cases"
-    numbered = (
-        [[index + 1, *row] for index, row in enumerate(rows)][:: -(-len(rows) // MAX_CASES)] if rows else []
-    )
     parts.append(
         Cases(
             f"{caption}. Choose levels of the axes and bounds of the figures to filter; bold: none beats it.",
             ["no.", *names],
-            numbered,
+            shown,
             axes,
             figures,
             front,
