@@ -109,7 +109,7 @@ def outliers(part: Identified, curves: Sequence[TestCurve], setting: Setting) ->
     itself and hides among the others.
     """
     sure = part.certainty
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    used = setting.used(curves)
     rows = part.fit.problem.rows
     residual = part.fit.residual
     if len(residual) < part.fit.jacobian.shape[1] + ENOUGH:

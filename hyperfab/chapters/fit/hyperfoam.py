@@ -9,12 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.chapters.fit.describe import document_of
-from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of
+from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of, tested
 from hyperfab.chapters.fit.plateau import Plateau, plateau, table_csv, table_of
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
-from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
@@ -110,13 +109,13 @@ class FoamFit(WholeFit[Hyperfoam]):
             stable=self.stable,
             accepted=self.accepted,
             undetermined=self.undetermined or None,
-            tested=tested_by(c for c in self.curves if c.mode in self.setting.fit_on),
+            tested=tested(self.curves, self.setting),
             warnings=readings.warnings or None,
         )
 
     def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return the curves fitted, each with the range of its own kind of test; a shear strain is no stretch."""
-        for curve in self.used(self.curves):
+        for curve in self.setting.used(self.curves):
             if curve.mode not in ("simple-shear", "volumetric"):
                 yield curve, document.tested_stretch(test=curve.mode)
 
@@ -130,7 +129,9 @@ class FoamFit(WholeFit[Hyperfoam]):
         if self.flat is None:
             return None
         own = [
-            c for c in self.used(self.curves) if c.temperature in (self.temperatures[self.reference], None)
+            c
+            for c in self.setting.used(self.curves)
+            if c.temperature in (self.temperatures[self.reference], None)
         ]
         mode = self.flat.mode if any(c.mode == self.flat.mode for c in own) else own[0].mode
         strain, stress, levelled = table_of(own, mode)
@@ -166,7 +167,7 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     curves = [*readings.curves, *volumetric]
     chosen = (*setting.fit_on, "volumetric") if set(setting.fit_on) == set(readings.modes) else setting.fit_on
     setting = replace(setting, fit_on=tuple(one for one in chosen if any(c.mode == one for c in curves)))
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    used = setting.used(curves)
     count = sum(len(curve.stretch) for curve in used)
     if count < 3 * terms:
         raise InputError(

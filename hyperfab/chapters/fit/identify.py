@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,6 +34,10 @@ class Setting:
     stable: bool
     accept: float
     noise: float | None = None
+
+    def used(self, curves: Iterable[TestCurve]) -> list[TestCurve]:
+        """Return the curves that take part in the fit."""
+        return [curve for curve in curves if curve.mode in self.fit_on]
 
 
 @dataclass(frozen=True)
@@ -83,7 +87,7 @@ class Identified:
 
 def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identified | str:
     """Return the best constants of ``law`` for ``curves``, or why there are none."""
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    used = setting.used(curves)
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
     if not law.isotropic and (wrong := _misses_directions(used)):
@@ -148,7 +152,7 @@ def along_direction(
         tests={},
     )
     part.tests.update({mode: _test(part, mode, curves, setting) for mode in _modes(curves)})
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    used = setting.used(curves)
     own = [predict(part, curve)[0] for curve in used]
     total = figures(np.concatenate([curve.stress for curve in used]), np.concatenate(own))
     return part if total is None else replace(part, total=total)
@@ -158,7 +162,7 @@ def without_test(
     found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
 ) -> Figures | None:
     """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
-    rest = [curve for curve in curves if curve.mode in setting.fit_on and curve.mode != mode]
+    rest = [curve for curve in setting.used(curves) if curve.mode != mode]
     temperatures = temperatures_of(rest)
     rows = _rows(rest, temperatures, setting, found.law)
     problem = Problem(found.law, rows)
@@ -205,6 +209,18 @@ def predict(found: Identified, curve: TestCurve) -> tuple[Array, Array | None]:
     return nominal_stress(material, curve.mode, curve.stretch), None
 
 
+def compared(answers: Iterable[tuple[TestCurve, Array, Array | None]]) -> tuple[Array, Array]:
+    """Return the stresses of the readings of curves, and those a law answers along one axis or both, row by row."""
+    measured, model = [], []
+    for curve, one, two in answers:
+        measured.append(curve.stress)
+        model.append(one)
+        if two is not None and curve.stress2 is not None:
+            measured.append(curve.stress2)
+            model.append(two)
+    return np.concatenate(measured), np.concatenate(model)
+
+
 def reach(curves: Sequence[TestCurve]) -> dict[str, tuple[float, float]]:
     """Return the smallest and largest stretch of each mode at hand, rest included."""
     found: dict[str, tuple[float, float]] = {}
@@ -243,7 +259,7 @@ def _stable(
 
 def tested(curves: Sequence[TestCurve], setting: Setting) -> dict[str, Tested] | None:
     """Return the range of the tests that take part in the fit."""
-    return tested_by(curve for curve in curves if curve.mode in setting.fit_on)
+    return tested_by(setting.used(curves))
 
 
 def temperatures_of(curves: Sequence[TestCurve]) -> tuple[float | None, ...]:
@@ -331,15 +347,5 @@ def _model_stress(fit: Fit, rows: Rows) -> Array:
 def _test(
     found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
 ) -> tuple[Figures | None, int, bool]:
-    measured, model = [], []
-    for curve in curves:
-        if curve.mode != mode:
-            continue
-        one, two = predict(found, curve)
-        measured.append(curve.stress)
-        model.append(one)
-        if two is not None and curve.stress2 is not None:
-            measured.append(curve.stress2)
-            model.append(two)
-    rows = np.concatenate(measured)
-    return figures(rows, np.concatenate(model)), len(rows), mode not in setting.fit_on
+    rows, model = compared((curve, *predict(found, curve)) for curve in curves if curve.mode == mode)
+    return figures(rows, model), len(rows), mode not in setting.fit_on

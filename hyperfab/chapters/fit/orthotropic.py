@@ -70,7 +70,7 @@ class SheetFit(WholeFit[Orthotropic]):
     def accepted(self) -> bool:
         """Whether each direction's rms error, each reading weighted as in the fit, is within the limit."""
         ways: list[str | None] = [*self.directions] or [None]
-        rows = self.used(self.curves)
+        rows = self.setting.used(self.curves)
         used = [[c for c in rows if way is None or c.direction_name in (way, None)] for way in ways]
         return all(self._weighted(curves) <= self.setting.accept for curves in used if curves)
 
@@ -135,7 +135,9 @@ class SheetFit(WholeFit[Orthotropic]):
         return figures
 
     def _fitted_at(self, number: int) -> list[TestCurve]:
-        return [c for c in self.used(self.curves) if c.temperature in (self.temperatures[number], None)]
+        return [
+            c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[number], None)
+        ]
 
     def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
         """Note how sure the constants at one of the temperatures are."""
@@ -233,7 +235,7 @@ def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     one is asked for.
     """
     curves = _as_held(curves)
-    used = [curve for curve in curves if curve.mode in setting.fit_on]
+    used = setting.used(curves)
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference], setting))

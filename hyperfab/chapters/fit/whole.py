@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.identify import Setting, nearest
+from hyperfab.chapters.fit.identify import Setting, compared, nearest
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
@@ -80,10 +80,6 @@ class WholeFit(ABC, Generic[EnergyT]):
         """Return the law of the nearest temperature that was fitted."""
         return self.laws[nearest(self.temperatures, temperature, self.reference)]
 
-    def used(self, curves: Iterable[TestCurve]) -> list[TestCurve]:
-        """Return the curves that take part in the fit."""
-        return [curve for curve in curves if curve.mode in self.setting.fit_on]
-
     def constants(
         self,
         seen: Callable[[EnergyT], Parameters],
@@ -99,15 +95,7 @@ class WholeFit(ABC, Generic[EnergyT]):
 
     def error(self, curves: Sequence[TestCurve]) -> Figures | None:
         """Return how far the law is from the readings, None where it has no state of rest there."""
-        measured, model = [], []
-        for curve in curves:
-            one, two, _ = self.predict(curve)
-            measured.append(curve.stress)
-            model.append(one)
-            if two is not None and curve.stress2 is not None:
-                measured.append(curve.stress2)
-                model.append(two)
-        return figures(np.concatenate(measured), np.concatenate(model)) if measured else None
+        return figures(*compared((curve, *self.predict(curve)[:2]) for curve in curves)) if curves else None
 
     def figures_of(
         self,
@@ -131,7 +119,7 @@ class WholeFit(ABC, Generic[EnergyT]):
             reach = np.concatenate([through, *(curve.stretch for curve in own)])
             low, high = float(reach.min()), float(reach.max())
             tests[name] = TestFigures(**vars(found), stretch_min=low, stretch_max=high, predicted=predicted)
-        total = self.error(self.used(curves))
+        total = self.error(self.setting.used(curves))
         if total is None:
             raise InputError("the law has no finite stress on these rows", file=curves[0].source)
         return FitFigures(**vars(total), tests=tests)
