@@ -53,9 +53,7 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
         match = SPECIMEN.fullmatch(plain(head.label))
         copy = re.fullmatch(r"(.+)\.(\d)", head.title)
         if match and (match[2] or by_unit(head)):
-            label = match[2] or str(by_unit(head))
-            unit = head.unit
-            made = replace(head, label=label, unit=unit)
+            made = replace(head, label=match[2] or str(by_unit(head)))
             groups.setdefault(match[1], []).append(made)
         elif title in repeated and both:
             seen[title] = seen.get(title, 0) + 1
