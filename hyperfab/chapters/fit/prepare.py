@@ -11,6 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.cases.reading import ReadingCase
+from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
@@ -104,7 +105,7 @@ def prepare(
         wanted = 1 if steps.branch == "load" else -1
         reason = f"not on the {steps.branch} branch"
         found = _select(
-            found, lambda curve: _branch(curve) == wanted, left_out, reason, nothing_left=nothing_left
+            found, lambda curve: branch_of(curve) == wanted, left_out, reason, nothing_left=nothing_left
         )
         told.append(f"the {steps.branch} branch of each test")
     if steps.zero:
@@ -145,14 +146,14 @@ def _select(
     return found
 
 
-def _branch(curve: TestData) -> Ints:
+def branch_of(curve: TestCurve) -> Ints:
     """Return 1 on loading and -1 on unloading: as the file says, else by the turns of the stretch."""
     return branches(curve.principal) if curve.branch is None else curve.branch
 
 
 def _numbered(curve: TestData) -> Ints:
     """Return the cycle of each row: as the file says, else counted by the turns of the stretch."""
-    return cycles(curve.principal, _branch(curve)) if curve.cycle is None else curve.cycle
+    return cycles(curve.principal, branch_of(curve)) if curve.cycle is None else curve.cycle
 
 
 def _of_cycle(curve: TestData, wanted: str) -> Array:
@@ -207,7 +208,7 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
 
 def _resampled(curve: TestData, points: int) -> TestData:
     """Return each branch as means of the readings around ``points`` stretches: every stretch counts the same."""
-    branch = _branch(curve)
+    branch = branch_of(curve)
     parts = [
         _means(curve.take(np.flatnonzero(branch == side)), points)
         for side in (1, -1)

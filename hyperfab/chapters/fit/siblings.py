@@ -7,17 +7,16 @@ from dataclasses import replace
 from itertools import compress
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import Identified, Setting, predict
 from hyperfab.chapters.fit.judge import Judged, Sets
+from hyperfab.chapters.fit.prepare import branch_of
 from hyperfab.chapters.fit.replicates import next_specimens
 from hyperfab.chapters.fit.whole import Answer
 from hyperfab.curve import TestCurve, angle_named
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.modes import MODES, nominal_stress
-from hyperfab.numerics.hygiene import branches
 from hyperfab.report.figures_fit import Line, fit_figure
 
 _COLUMNS = (
@@ -107,13 +106,8 @@ def line(
         predicted=mode not in fit_on,
         unstable_from=unstable_from,
         expected=expected,
-        back=np.concatenate([_back(c) for c in curves]),
+        back=np.concatenate([branch_of(c) < 0 for c in curves]),
     )
-
-
-def _back(curve: TestCurve) -> NDArray[np.bool_]:
-    """Which readings were taken on the way back: as the file says, else by the turns of the stretch."""
-    return (branches(curve.principal) if curve.branch is None else curve.branch) < 0
 
 
 def grid_of(curves: Sequence[TestCurve], count: int, *through: float) -> Array:
