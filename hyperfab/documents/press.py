@@ -88,6 +88,9 @@ class DesignPart(Part):
 
     gap_mm: float
     spread_mm: float = Field(description="greatest less least hot gap of its vertices to the female")
+    clearance_to_set_mm: float | None = optional(
+        "cold, with which the female stands where it stood: --gap; absent where the frame yields"
+    )
     facets: int
 
 

@@ -213,6 +213,10 @@ def test_the_designed_male_presses_evenly(shop, monkeypatch):
     _, even = press(shop, monkeypatch, gap="4mm", **hot)
     assert even["gap_max_mm"] - even["gap_min_mm"] < 0.06  # these facets are coarse
     assert even["contact_fraction"] > 0.999
+    # Set cold at the clearance that is told it is that gap when hot.
+    cold = {**hot, "zero": "cold", "gap": f"{document['design']['clearance_to_set_mm']:.9f}mm"}
+    _, set_cold = press(shop, monkeypatch, **cold)
+    assert set_cold["gap_min_mm"] == pytest.approx(4.0, abs=0.01)
 
 
 def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):

@@ -16,9 +16,9 @@ from hyperfab.documents.press import CompensationPart, CompensationStep, DesignP
 from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.design import Design, DesignRefused, constant_gap, with_back
+from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
 from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.mold import PressFrame, mold
+from hyperfab.pressing.mold import Mold, PressFrame, mold
 from hyperfab.pressing.placement import clearance
 
 #: The product is what is wanted where no place that can be misses it by more [mm]; a tenth of what a gauge tells.
@@ -34,23 +34,34 @@ _LEAST_RATE = 0.02
 
 def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
     """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
-    found = place_of_design(frame, lambda: constant_gap(closed.female, gap), f"--design-gap {gap:g} mm")
-    cold = ungrown(found.vertices, growth)
-    vertices, faces = with_back(cold, found.faces, closed.case.male.mount)
-    data = stl_bytes(frame.outward(vertices), faces)
-    return data, DesignPart(gap_mm=gap, spread_mm=found.spread, facets=len(faces))
+    spread, male, to_set = _male(closed, frame, gap, growth, f"--design-gap {gap:g} mm")
+    # What a frame yields by at the force of that gap is not known here.
+    unloaded = to_set if closed.case.frame is None else None
+    part = DesignPart(gap_mm=gap, spread_mm=spread, clearance_to_set_mm=unloaded, facets=len(male.faces))
+    return stl_bytes(frame.outward(male.vertices), male.faces), part
 
 
-def place_of_design(frame: PressFrame, made: Callable[[], Design], asked: str = "--compensate") -> Design:
-    """Return what ``made`` gives; refused with the place in the drawing where there is none."""
+def _male(
+    closed: Closed, frame: PressFrame, gap: float | Array, growth: Growth, asked: str = "--compensate"
+) -> tuple[float, Mold, float]:
+    """Return the cold male that leaves ``gap`` [mm], everywhere or (n,), to the hot female where it stands.
+
+    Before it the spread of that gap, after it the cold clearance [mm] to set. Refused with the place in the drawing
+    where there is no such male.
+    """
     try:
-        return made()
+        design = constant_gap(closed.female, gap)
     except DesignRefused as error:
         at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
         raise InputError(
             f"{asked}: the surface {error.what} near ({at}) mm, on {error.faces} facets",
             remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
         ) from None
+    mount = closed.case.male.mount
+    vertices, faces = with_back(ungrown(design.vertices, growth), design.faces, mount)
+    male = mold(vertices, faces, 1, mount, closed.case.male.smooth)
+    apart = clearance(male, closed.case.female).gap
+    return design.spread, male, apart + closed.clearance_cold - closed.datum.gap
 
 
 @dataclass(frozen=True)
@@ -146,19 +157,15 @@ def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wante
     from scipy.spatial import cKDTree
 
     growth, frame = model.grown[0].growth, model.files.frame
-    design = place_of_design(frame, lambda: constant_gap(closed.female, gap))
-    vertices, faces = with_back(ungrown(design.vertices, growth), design.faces, closed.case.male.mount)
-    male = mold(vertices, faces, 1, closed.case.male.mount, closed.case.male.smooth)
-    nearest = np.asarray(cKDTree(closed.case.male.vertices).query(vertices)[1], dtype=np.int64)
-    apart = clearance(male, closed.case.female).gap
-    to_set = apart + closed.clearance_cold - closed.datum.gap
+    _, male, to_set = _male(closed, frame, gap, growth)
+    nearest = np.asarray(cKDTree(closed.case.male.vertices).query(male.vertices)[1], dtype=np.int64)
     carried = (
         closed.case.sandwich.of_vertices(nearest) if closed.case.sandwich.uneven else closed.case.sandwich
     )
     case = replace(
         closed.case,
         male=male,
-        male_growth=growth.at(vertices),
+        male_growth=growth.at(male.vertices),
         sandwich=carried,
         gap=to_set,
         force=None,
