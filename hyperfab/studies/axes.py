@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from hyperfab.documents.study import AxisSection, Number, SamplingSection, StudyDocument, Value
 from hyperfab.errors import InputError
+from hyperfab.io.units import is_unit
 
-#: A number and its unit, which begins with a letter or, after a space, with 1/ (1/K); 1e-6 is a number.
+#: A number, and what may be its unit: 20x30 has none.
 _QUANTITY = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)"
-    r"\s*((?:(?![eE][+-]?\d)[A-Za-z%°µμ]|(?<=\s)1/)[^\s]*(?: [^\s]+)*)?\s*"
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*((?!x\d)[A-Za-z%°µμ].*?|1/.*?)?\s*"
 )
 #: Values that come out of a formula are rounded to this many digits, so that 0.1 + 0.2 reads 0.3.
 _DIGITS = 12
@@ -168,7 +168,7 @@ def _level(value: Value) -> tuple[Level, str]:
     if not isinstance(value, str):
         return Level(str(value).lower() if isinstance(value, bool) else repr(value), value), ""
     match = _QUANTITY.fullmatch(value)
-    if match is None:
+    if match is None or (match[2] and not is_unit(match[2])):  # 10mm.stl is a file
         return Level(value, value), ""
     number = float(match[1])
     return Level(value.strip(), number), match[2] or ""

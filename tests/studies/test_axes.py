@@ -74,6 +74,12 @@ def test_units_that_begin_with_one_over_are_units() -> None:
     assert [axis.column for axis in (expansion, rate)] == ["expansion_1_K", "rate_1_s"]
 
 
+def test_what_begins_with_a_number_and_names_no_unit_is_a_word() -> None:
+    names = ["10mm.stl", "5in.stl", "20x30", "2 of 3"]
+    [axis] = Layout(study({"male": {"values": names}}), "study.toml").axes
+    assert [(level.text, level.number) for level in axis.levels] == [(name, None) for name in names]
+
+
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
 def test_drawn_axes_follow_their_distribution_and_their_seed(method: str) -> None:
     axes = {

@@ -16,7 +16,7 @@ from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.laws import materials
-from hyperfab.chapters.press_contact.model import Model, model_of, read_files
+from hyperfab.chapters.press_contact.model import Model, model_of, read_files, tilt_of
 from hyperfab.chapters.press_contact.result import PressResult, document_of
 from hyperfab.chapters.press_contact.warmth import settled, warmed
 from hyperfab.chapters.uncertainty.carry import carry
@@ -57,7 +57,7 @@ def run(job: Job, case: PressCase) -> int:
             key="set",
             remedy='add set = { measured = "set.csv" } or { rate = "3e8 1/s", activation = "95 kJ/mol" }',
         )
-    if case.compensate and (case.floating or (case.tilt is not None and any(case.tilt)) or files.tilt.any()):
+    if case.compensate and (case.floating or any(tilt_of(case, files))):
         raise UsageError(
             "--compensate is for a press that closes in parallel: leave out --float and the tilt"
         )
