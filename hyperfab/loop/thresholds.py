@@ -44,8 +44,8 @@ MOST = 0.65
 
 # ---- how sure a name is, and who could stand in its place -----------------------------------------------------
 
-#: To one: another name is told beside the likeliest where that is no more likely; documents upstream are blamed that
-#: together are.
+#: To one: another name is told beside the likeliest where that is no more likely, and takes its place where it is the
+#: likelier by more; documents upstream are blamed that together are.
 ODDS = 3.0
 
 
