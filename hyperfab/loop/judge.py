@@ -81,7 +81,7 @@ def _beyond_of_stiffness(fit: Fit, noise: Noise) -> list[float]:
     """
     if not noise.gain_sd:
         return []
-    off = noise.at(fit.predicted).stiffness(fit.residual, SMALL / 2.0)
+    off = noise.at(fit.predicted).stiffness(fit.residual, SMALL)
     return [float(np.mean(off**2)) - 1.0 - 2.0 * float(np.sqrt(2.0 / len(off)))]
 
 
