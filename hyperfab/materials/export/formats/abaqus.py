@@ -32,6 +32,8 @@ from hyperfab.materials.orthotropic import Orthotropic
 #: Values a data line takes.
 _PER_LINE = 8
 _MARLOW_POINTS = 60
+#: Points in the first five steps of those, ever closer to rest.
+_NEAR_REST = 30
 #: A curve ends at this part of the way from rest to the stretch at which chains lock.
 _TO_LIMIT = 0.98
 #: The exponent k2 of threads must be above zero; this one adds a millionth at a squared stretch of 2.
@@ -147,17 +149,21 @@ def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
 
 def _way(material: Material, end: float) -> Array:
     """Return stretches from rest to ``end``, or most of the way to where the law's chains lock."""
-    if np.isfinite(material.uniaxial(end).P):
-        return np.geomspace(1.0, end, _MARLOW_POINTS)
-    reached, beyond = 0.0, 1.0
-    for _ in range(60):
-        middle = 0.5 * (reached + beyond)
-        inside = np.isfinite(material.uniaxial(1.0 + middle * (end - 1.0)).P)
-        reached, beyond = (middle, beyond) if inside else (reached, middle)
-    way = reached * (end - 1.0)
-    # The stress there goes as one over what is left of the way: straight lines between these are within 0.5 %.
-    left = (1.0 - _TO_LIMIT) * way * np.geomspace(1.0, 12.0, 24)
-    return np.union1d(np.geomspace(1.0, 1.0 + _TO_LIMIT * way, _MARLOW_POINTS), 1.0 + way - left)
+    last, locking = end, np.empty(0)
+    if not np.isfinite(material.uniaxial(end).P):
+        reached, beyond = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (reached + beyond)
+            inside = np.isfinite(material.uniaxial(1.0 + middle * (end - 1.0)).P)
+            reached, beyond = (middle, beyond) if inside else (reached, middle)
+        way = reached * (end - 1.0)
+        last = 1.0 + _TO_LIMIT * way
+        # The stress there goes as one over what is left of the way: straight lines between these are within 0.5 %.
+        locking = 1.0 + way - (1.0 - _TO_LIMIT) * way * np.geomspace(1.0, 12.0, 24)
+    far = np.geomspace(1.0, last, _MARLOW_POINTS)
+    # A straight line from rest is less steep than the law by the part of its own length: the first ones are short.
+    near = 1.0 + 5.0 * (far[1] - 1.0) * np.geomspace(2e-4, 1.0, _NEAR_REST)
+    return np.concatenate([far, near, locking])
 
 
 FORMAT = Format(
