@@ -134,3 +134,11 @@ def test_what_a_card_cannot_hold_is_said(name: str, constants: dict[str, float],
         formats()[name].sheet_card(Orthotropic.of(constants), Settings())
     for word in words:
         assert word in str(refused.value)
+
+
+def test_names_in_an_abaqus_card_have_80_characters_at_most() -> None:
+    text = formats()["abaqus"].sheet_card(Orthotropic.of(ALIKE), Settings(name="x" * 80))
+    names = re.findall(r"NAME=([^,\n]+)", text)
+    assert len(names) == 2
+    assert max(map(len, names)) == 80
+    assert f"ORIENTATION={names[0]};" in text

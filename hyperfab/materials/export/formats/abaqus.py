@@ -31,6 +31,8 @@ from hyperfab.materials.orthotropic import Orthotropic
 
 #: Values a data line takes.
 _PER_LINE = 8
+#: Characters a name may have.
+_LABEL = 80
 _MARLOW_POINTS = 60
 #: Points in the first five steps of those, ever closer to rest.
 _NEAR_REST = 30
@@ -137,9 +139,10 @@ def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
         0.0,
     ]
     keyword = f"*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={len(threads)}"
+    axes = f"{settings.name[: _LABEL - 5]}-axes"
     return [
-        "** the section takes ORIENTATION=" + f"{settings.name}-axes; its x is the warp, its y the weft",
-        f"*ORIENTATION, NAME={settings.name}-axes, LOCAL DIRECTIONS={len(threads)}",
+        f"** the section takes ORIENTATION={axes}; its x is the warp, its y the weft",
+        f"*ORIENTATION, NAME={axes}, LOCAL DIRECTIONS={len(threads)}",
         "1., 0., 0., 0., 1., 0.",
         "3, 0.",
         *ways,
