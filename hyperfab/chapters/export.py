@@ -32,6 +32,7 @@ def run(job: Job, case: ExportCase) -> int:
     fabric.used_at(job)
     job.judge_ranges()
     law = fabric.law(direction)
+    _check_volume(job, case, source, law)
     settings = Settings(
         name=case.name,
         bulk_modulus=case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa,
@@ -47,6 +48,20 @@ def run(job: Job, case: ExportCase) -> int:
         raise UsageError(f"--to {case.to}: {error}{out}") from None
     write_single(job.target, card.encode(), job.inputs)
     return 0
+
+
+def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Material | Orthotropic) -> None:
+    """Refuse a bulk modulus, or say that one is left aside, where the law itself tells how the volume changes."""
+    if isinstance(law, Orthotropic) or float(law.law.contraction(law.theta)) >= 0.5:
+        return
+    if case.bulk_modulus is not None:
+        raise UsageError(
+            f"--bulk-modulus: {source.model} changes its volume by its own nu; leave the option out"
+        )
+    if source.bulk_modulus_MPa is not None:
+        job.console.warn(
+            f"{source.model} changes its volume by its own nu; the bulk modulus of the volumetric test is left aside"
+        )
 
 
 def _way_out(law: Orthotropic, settings: Settings) -> str:

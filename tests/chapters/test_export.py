@@ -72,3 +72,17 @@ def test_a_sheet_that_a_solver_cannot_hold_has_a_way_out(hf: Run, tmp_path: Path
         done = hf("export", "sheet.json", "--to", "abaqus", cwd=tmp_path)
         assert done.returncode == 2
         assert out in done.stderr
+
+
+def test_a_bulk_modulus_beside_a_law_with_a_volume_of_its_own_is_not_passed_over(hf: Run) -> None:
+    foam = {"mu_MPa": 0.4, "f": 0.3, "nu": 0.3}
+    document = {"format": "hyperfab.material/1", "model": "blatz-ko-general", "parameters": foam}
+    done = hf(
+        "export", "-", "--to", "abaqus", "--bulk-modulus", "500MPa", stdin=json.dumps(document).encode()
+    )
+    assert done.returncode == 2
+    assert b"by its own nu; leave the option out" in done.stderr
+    document["bulk_modulus_MPa"] = 500.0
+    done = hf("export", "-", "--to", "abaqus", stdin=json.dumps(document).encode())
+    assert done.returncode == 0
+    assert b"volumetric test is left aside" in done.stderr
