@@ -24,8 +24,11 @@ def run(job: Job, case: ExportCase) -> int:
     fabric = read_fabric_document(job, case.document, case.temperature)
     source = fabric.document
     if source.directions and direction is None and source.model != ORTHOTROPIC:
-        ways = ", ".join(source.directions)
-        job.console.warn(f"the material has directions ({ways}); the card has the constants of both together")
+        own = [way for way, one in source.directions.items() if one.parameters == source.parameters]
+        job.console.warn(
+            f"the material has directions ({', '.join(source.directions)}); the card has the constants of "
+            + (" and ".join(own) if own else "both together")
+        )
     if direction is not None and not source.directions:
         raise UsageError(f"--direction {direction}: {case.document} has no directions")
     _warn(job, fabric, direction)

@@ -86,3 +86,14 @@ def test_a_bulk_modulus_beside_a_law_with_a_volume_of_its_own_is_not_passed_over
     done = hf("export", "-", "--to", "abaqus", stdin=json.dumps(document).encode())
     assert done.returncode == 0
     assert b"volumetric test is left aside" in done.stderr
+
+
+def test_constants_that_are_those_of_one_direction_are_told_as_that(hf: Run) -> None:
+    """``hf close-loop`` writes so what it found of the weft beside a model of the warp."""
+    warp = {"C10_MPa": 0.06}
+    document = {
+        "format": "hyperfab.material/1", "model": "yeoh-1", "parameters": warp,
+        "directions": {"warp": {"parameters": warp}, "weft": {"parameters": {"C10_MPa": 0.045}}},
+    }  # fmt: skip
+    done = hf("export", "-", "--to", "abaqus", stdin=json.dumps(document).encode())
+    assert b"the card has the constants of warp\n" in done.stderr
