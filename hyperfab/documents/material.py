@@ -259,7 +259,7 @@ class MaterialDocument(Document):
     left_out: dict[str, int] | None = optional("rows left out, by reason")
     preparation: list[str] | None = optional("what was done to the data before the fit")
     replicates: list[Replicates] | None = optional("scatter between specimens")
-    bulk_modulus_MPa: float | None = optional("from the volumetric test")
+    bulk_modulus_MPa: float | None = Field(default=None, gt=0.0, description="from the volumetric test")
     warnings: list[str] | None = None
     models: list[ModelRow] | None = optional("all laws, best first (--model all)")
     undetermined: list[Undetermined] | None = optional("constants that the tests leave open (orthotropic)")

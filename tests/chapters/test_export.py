@@ -97,3 +97,15 @@ def test_constants_that_are_those_of_one_direction_are_told_as_that(hf: Run) -> 
     }  # fmt: skip
     done = hf("export", "-", "--to", "abaqus", stdin=json.dumps(document).encode())
     assert b"the card has the constants of warp\n" in done.stderr
+
+
+@pytest.mark.parametrize("modulus", [0.0, -5.0])
+def test_a_document_without_a_bulk_modulus_above_zero_is_refused(hf: Run, modulus: float) -> None:
+    document = {
+        "format": "hyperfab.material/1", "model": "yeoh-1", "parameters": {"C10_MPa": 0.2},
+        "bulk_modulus_MPa": modulus,
+    }  # fmt: skip
+    done = hf("export", "-", "--to", "abaqus", stdin=json.dumps(document).encode())
+    assert done.returncode == 3
+    assert b"key bulk_modulus_MPa: input should be greater than 0" in done.stderr
+    assert done.stdout == b""

@@ -398,6 +398,14 @@ def test_volumetric_test_gives_the_bulk_modulus(hf: Run, tmp_path: Path) -> None
     assert (entry["used"], entry["from"]) == ([0.98, 0.99], "v.csv")
 
 
+@pytest.mark.parametrize("rows", ["1,0\n0.99,0\n0.98,0", "1,0\n1,5\n1,10", "1,0\n0.99,5\n1.01,5"])
+def test_a_volumetric_test_without_a_bulk_modulus_is_refused(hf: Run, tmp_path: Path, rows: str) -> None:
+    (tmp_path / "v.csv").write_text(f"volume_ratio [-],mean stress [MPa]\n{rows}\n")
+    done = hf("fit", *ALL, "--volumetric", tmp_path / "v.csv", "--model", "yeoh-1")
+    assert done.returncode == 3
+    assert b"v.csv: shows no bulk modulus" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("test", "rows"),
     [

@@ -69,7 +69,8 @@ class Readings:
         """Slope [MPa] of the mean stress against the change of volume, and both of all volumetric tests."""
         change = np.concatenate([test.stretch - 1.0 for test in self.volumetric])
         stress = np.concatenate([test.stress for test in self.volumetric])
-        return float(change @ stress) / float(change @ change), change, stress
+        square = float(change @ change)
+        return float(change @ stress) / square if square > 0.0 else 0.0, change, stress
 
     @property
     def modes(self) -> list[str]:
@@ -125,6 +126,12 @@ def gather(
     volumetric = [test for test in tests if test.mode == "volumetric"]
     thickness, nominal = _thickness(sheets, sheet)
     found = Readings([], volumetric, thickness, nominal)
+    if found.bulk_modulus == 0.0:
+        raise InputError(
+            "shows no bulk modulus: its mean stress does not go with its change of volume",
+            file=volumetric[0].source,
+            remedy="correct the test, or leave it out",
+        )
     for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
     carried = [test for test in sheets if test.mode in carried_by]
