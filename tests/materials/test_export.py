@@ -239,6 +239,18 @@ def test_bulk_modulus_becomes_the_solver_s_constant() -> None:
     assert "<k>500.0</k>" in formats()["febio"].card(law_of("neo-hookean"), settings)
 
 
+@pytest.mark.parametrize("K", [500.0, 1e20])
+def test_poisson_s_ratio_is_that_of_the_bulk_modulus_and_below_a_half(K: float) -> None:
+    """At 1/2 a solver divides by zero."""
+    settings = Settings(bulk_modulus=K)
+    rubber = formats()["ls-dyna"].card(law_of("neo-hookean"), settings).splitlines()[3]
+    curve = re.search(r"POISSON=(\S+)", formats()["abaqus"].card(law_of("gent"), settings))
+    assert curve is not None
+    for nu, mu in ((float(rubber[40:60]), 0.4), (float(curve[1]), 0.27)):
+        assert nu < 0.5
+        assert nu == pytest.approx((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu), rel=1e-14)
+
+
 @pytest.mark.parametrize("name", ["gent", "arruda-boyce-langevin"])
 @pytest.mark.parametrize("share", [3.0, 0.5, 0.03, 1e-5])
 def test_a_curve_stays_within_the_law_s_limit_and_follows_it(name: str, share: float) -> None:

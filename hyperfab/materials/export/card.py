@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -132,20 +133,24 @@ def shear_modulus(material: Material) -> float:
     return float(material.uniaxial(1.0).A) / (2.0 * (1.0 + nu))
 
 
+def poisson(material: Material, bulk_modulus: float) -> float:
+    """Return Poisson's ratio at rest that goes with a bulk modulus [MPa]; below 1/2 however large that is."""
+    mu, K = shear_modulus(material), bulk_modulus
+    return min((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu), math.nextafter(0.5, 0.0))
+
+
 def series_as_powers(mu: float, lambda_m: float) -> list[float]:
     """Return c1 to c5 of ``sum c_k (I1 - 3)^k`` for the Arruda-Boyce series, which is the same polynomial.
 
     >>> [round(c, 12) for c in series_as_powers(2.0, 1e9)]
     [1.0, 0.0, 0.0, 0.0, 0.0]
     """
-    from math import comb
-
     from hyperfab.materials.laws.arruda_boyce import COEFFICIENTS
 
     powers = [0.0] * 5
     for i, coefficient in enumerate(COEFFICIENTS, start=1):
         for k in range(1, i + 1):
-            powers[k - 1] += mu * coefficient / lambda_m ** (2 * i - 2) * comb(i, k) * 3.0 ** (i - k)
+            powers[k - 1] += mu * coefficient / lambda_m ** (2 * i - 2) * math.comb(i, k) * 3.0 ** (i - k)
     return powers
 
 

@@ -22,6 +22,7 @@ from hyperfab.materials.export.card import (
     families,
     number,
     pairs,
+    poisson,
     refuse,
     volumetric,
 )
@@ -106,18 +107,11 @@ def _marlow(material: Material, settings: Settings) -> list[str]:
     volumetric = (
         []
         if settings.bulk_modulus is None
-        else [f"*HYPERELASTIC, MARLOW, POISSON={_poisson(material, settings)}"]
+        else [f"*HYPERELASTIC, MARLOW, POISSON={number(poisson(material, settings.bulk_modulus))}"]
     )
     keyword = volumetric or ["*HYPERELASTIC, MARLOW"]
     head = [f"*MATERIAL, NAME={settings.name}", "*DENSITY", number(settings.density)]
     return [*head, *keyword, "*UNIAXIAL TEST DATA", *rows]
-
-
-def _poisson(material: Material, settings: Settings) -> str:
-    assert settings.bulk_modulus is not None
-    mu = float(material.uniaxial(1.0).A) / 3.0
-    K = settings.bulk_modulus
-    return number((3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu))
 
 
 def _sheet(law: Orthotropic, settings: Settings) -> list[str]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.export.card import Format, NoCard, Settings, cij, field, pairs, shear_modulus
+from hyperfab.materials.export.card import Format, NoCard, Settings, cij, field, pairs, poisson, shear_modulus
 from hyperfab.materials.material import Material
 
 #: Poisson's ratio that LS-DYNA's manual takes for rubber that keeps its volume.
@@ -27,10 +27,7 @@ def _head(*names: str) -> str:
 
 
 def _poisson(material: Material, settings: Settings) -> float:
-    if settings.bulk_modulus is None:
-        return _POISSON
-    mu, K = shear_modulus(material), settings.bulk_modulus
-    return (3.0 * K - 2.0 * mu) / (6.0 * K + 2.0 * mu)
+    return _POISSON if settings.bulk_modulus is None else poisson(material, settings.bulk_modulus)
 
 
 def _first(material: Material, settings: Settings) -> list[str]:
