@@ -23,18 +23,24 @@ def run(job: Job, case: ExportCase) -> int:
     direction = case.direction
     fabric = read_fabric_document(job, case.document, case.temperature)
     source = fabric.document
-    if source.directions and direction is None and source.model != ORTHOTROPIC:
+    sheet = source.model == ORTHOTROPIC
+    if source.directions and direction is None and not sheet:
         own = [way for way, one in source.directions.items() if one.parameters == source.parameters]
         job.console.warn(
             f"the material has directions ({', '.join(source.directions)}); the card has the constants of "
             + (" and ".join(own) if own else "both together")
         )
-    if direction is not None and not source.directions:
+    # A sheet has warp and weft, whether or not the document says again what each is.
+    told = direction is None or direction in (source.directions or ())
+    turned = sheet and not told and direction in ("warp", "weft")
+    if not (source.directions or told or turned):
         raise UsageError(f"--direction {direction}: {case.document} has no directions")
     _warn(job, fabric, direction)
     fabric.used_at(job)
     job.judge_ranges()
-    law = fabric.law(direction)
+    law = fabric.law(None if turned else direction)
+    if isinstance(law, Orthotropic) and turned and direction == "weft":
+        law = law.turned()
     _check_volume(job, case, source, law)
     settings = Settings(
         name=case.name,
@@ -114,9 +120,7 @@ def _comments(fabric: FabricDocument, law: Material | Orthotropic, direction: st
     at += [f"none known there: those of {fabric.held_at:g} degC"] if fabric.held_at is not None else []
     if at:
         lines.append(f"constants of {', '.join(at)}")
-    fit = source.fit
-    if direction is not None and source.directions:
-        fit = source.directions[direction].fit
+    fit = (source.directions or {}).get(direction or "", source).fit
     if fit is not None:
         lines.append(f"relative rms {fit.relative_rms:.4g} over {fit.points} readings")
     for mode, first in _first_unstable(source, law, direction).items():
@@ -131,5 +135,5 @@ def _first_unstable(
     """Return the stretch of each mode from which the card's own constants are unstable, None where there is none."""
     if isinstance(law, Material):  # at the temperature asked for, of which the document says nothing
         return {mode: one.first_unstable for mode, one in stable_ranges(law).items()}
-    part = source.directions[direction] if direction is not None and source.directions else source
+    part = (source.directions or {}).get(direction or "", source)
     return {mode: one.first_unstable_stretch for mode, one in (part.stability or {}).items()}

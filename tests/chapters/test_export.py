@@ -109,3 +109,19 @@ def test_a_document_without_a_bulk_modulus_above_zero_is_refused(hf: Run, modulu
     assert done.returncode == 3
     assert b"key bulk_modulus_MPa: input should be greater than 0" in done.stderr
     assert done.stdout == b""
+
+
+def test_a_sheet_written_by_hand_is_turned_too(hf: Run) -> None:
+    """Its law has a warp and a weft, whether or not the document says again what each is."""
+    constants = {"C10_MPa": 0.05, "k1_warp_MPa": 0.2, "k2_warp": 0.3}
+    document = {"format": "hyperfab.material/1", "model": "orthotropic", "parameters": constants}
+    for way, angle in (("warp", b"<theta>0.0</theta>"), ("weft", b"<theta>90.0</theta>")) * 2:
+        done = hf("export", "-", "--to", "febio", "--direction", way, stdin=json.dumps(document).encode())
+        assert done.returncode == 0
+        assert angle in done.stdout
+        if way == "weft":
+            document["directions"] = {"warp": {"parameters": constants}}
+    for _ in range(2):
+        done = hf("export", "-", "--to", "febio", "--direction", "bias", stdin=json.dumps(document).encode())
+        assert done.returncode == 2
+        document.pop("directions", None)
