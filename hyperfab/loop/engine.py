@@ -7,28 +7,25 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
+from hyperfab.loop.doubt import likeliest_scatter, undoubted, without_names
 from hyperfab.loop.fewest import fewest, likeliest
-from hyperfab.loop.fitting import Fit, fit, least_misfits
+from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.replicates import replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
+from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, TOLD
 
 #: Terms added at most, and models carried along at each number of terms.
 _DEPTH, _BEAM = 3, 2
 #: A model that leaves this many times more variance than the best is not carried along.
 _HOPELESS = 9.0
-#: Scatters of specimens that are tried.
-_SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
 
 
 #: How far a fitted model misses readings that take no part.
@@ -119,14 +116,14 @@ def close(
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = _likely(search, before, helpful, sure_of)
-    scatter = min(_surprise(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
+    scatter = min(likeliest_scatter(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > level.gain_sd:
         wider = replace(level, gain_sd=scatter)
         return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
-    kept = _undoubted(search, best)
+    kept = undoubted(search, best)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
     if not kept.ids:
-        verdict, assumed = _without_names(search, before, bool(doubted))
+        verdict, assumed = without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
     best = _ordered(search, kept)
     tick("rivals")
@@ -134,25 +131,23 @@ def close(
     while (likelier := _likelier(search, before, best, apart)) is not None:
         best = _ordered(search, likelier)
         others = rivals(search, best, sure_of)
-    added = _worth_of_each(search, best)
-    found = finding("effect" if explains(before, best) else "unexplained", best, added, tried)
-    found = replace(found, doubted=doubted, worse=worse)
     sets = indistinguishable(problem, others, best.fit.forms)
-    sure, verdict = sure_of(), found.verdict
-    if verdict == "effect":
-        verdict = "ambiguous" if sets else "effect" if sure.something_else <= 0.5 else "unexplained"
+    added = _worth_of_each(search, best)
+    if not explains(before, best):
+        verdict = "unexplained"
+    elif sets:
+        verdict = "ambiguous"
+    else:
+        verdict = "effect" if sure_of().something_else <= 0.5 else "unexplained"
     measurements: list[NextMeasurement] = []
     alike = {id(state): state.fit for instead in others.values() for state in instead.values()}
     if alike and design:
         tick("next measurement")
         measurements = next_measurement(problem, level, [best.fit, *alike.values()])
     return replace(
-        found,
-        verdict=verdict,
-        indistinguishable=sets,
-        measurements=measurements,
-        belief=sure,
-    )
+        finding(verdict, best, added, tried),
+        doubted=doubted, worse=worse, indistinguishable=sets, measurements=measurements,
+    )  # fmt: skip
 
 
 def _no_more_than_noise(base: Candidate) -> bool:
@@ -255,102 +250,9 @@ def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart |
     found = likeliest(search, before, lambda state: is_no_worse(before, state, apart))
     if found is None:
         return None
-    found = _undoubted(search, found)
+    found = undoubted(search, found)
     clear = surprise(found) < surprise(best) - np.log(ODDS)
     return found if found.ids and {*found.ids} != {*best.ids} and clear else None
-
-
-def _undoubted(search: Search, best: Candidate) -> Candidate:
-    """Take out terms that specimens which scatter more than the few replicates show could explain as well.
-
-    The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
-    replicates; of one that stands alone nothing is known but what the others scatter by. Where no two were tested
-    alike they may scatter as those of one cloth do.
-    """
-    while best.ids and (search.noise.gain_doubt or _none_alike(search)):
-        whole, _ = _surprise(search, best, best)
-        worth = {
-            name: _surprise(search, search.without(best, name), best)[0] - whole - _of_each(best, name)
-            for name in best.ids
-        }
-        weakest = min(worth, key=lambda name: worth[name])
-        if worth[weakest] >= MARGIN:
-            break
-        best = search.without(best, weakest)
-    return best
-
-
-def _none_alike(search: Search) -> bool:
-    """Whether nothing but what specimens of one cloth do tells how much these scatter, several of them."""
-    noise = search.noise
-    return len(noise.groups) > 1 and not noise.gain_sd and not replicates(search.problem.curves)
-
-
-def _of_each(state: Candidate, name: str) -> float:
-    """Return what the constants of a term cost that has one for each specimen, as a stiffness of each would.
-
-    In minus twice the logarithm of the likelihood: each is known from the rows of its specimen.
-    """
-    form = state.fit.forms[name]
-    if not form.of_each:
-        return 0.0
-    count = len(form.constants)
-    return count * float(np.log(max(len(state.fit.residual) / count, 1.0)))
-
-
-def _surprise(search: Search, state: Candidate, best: Candidate | None = None) -> tuple[float, float]:
-    """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
-
-    What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
-    Beside it, where no two were tested alike, a few that follow a term by chance must not pass for ones that do not
-    scatter: what is usual counts as one specimen more (a scaled inverse chi-squared distribution of the variance).
-    """
-
-    # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
-    most = TOLD * search.noise.gain_doubt or np.inf
-    scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
-
-    def misfits(one: Candidate) -> tuple[Array, Array]:
-        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
-        entropy = np.array([metric.entropy for metric in metrics])
-        return least_misfits(search.problem, metrics, one.fit), entropy
-
-    misfit, entropy = misfits(state)
-    least = misfit if best is None else misfits(best)[0]
-    # Of each kind of reading: what lacks in the contraction makes no stress less sure.
-    count = np.unique(search.problem.channel, return_counts=True)[1]
-    surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
-    if best is not None and _none_alike(search):
-        variance = np.array(scatters) ** 2
-        surprise += np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance
-    likeliest = int(np.argmin(surprise))
-    return float(surprise[likeliest]), scatters[likeliest]
-
-
-def _without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:
-    """Return the verdict where nothing is named, and the scatter of specimens it rests on.
-
-    It is noise if specimens that scatter more than was seen could be all there is: where effects were ``doubted`` for
-    that, or where no two were tested alike and they scatter no more than those of one cloth do.
-    """
-    if before.judgement.is_small:
-        return "noise", 0.0
-    noise = search.noise
-    if not noise.groups or (replicates(search.problem.curves) and not doubted):
-        return "unexplained", 0.0
-    if any(off > 0.0 for off in search.problem.forbidden(before.fit.x, {}).values()):
-        # What nature does not allow is not what is left once specimens scatter.
-        return "unexplained", 0.0
-    likeliest = _surprise(search, before)[1]
-    if not noise.gain_sd and likeliest > ONE_CLOTH:
-        return "unexplained", 0.0
-    assumed = max(noise.gain_doubt, likeliest)
-    left = float(
-        np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit))
-    )
-    rows = len(before.fit.residual) - len(before.fit.x)
-    small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
-    return ("noise", assumed) if small else ("unexplained", 0.0)
 
 
 def _pruned(search: Search, best: Candidate) -> Candidate:

@@ -22,6 +22,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.loop import (
     confounding,
+    doubt,
     engine,
     fabric_tests,
     heldout,
@@ -162,7 +163,7 @@ def scatter_tried() -> float:
     search = Search(problem, estimate_noise(problem))
     known = Noise(**{**vars(search.noise), "gain_sd": 0.02, "gain_doubt": 0.032})
     search = Search(problem, known)
-    return engine._surprise(search, search.base())[1] / 0.032
+    return doubt.likeliest_scatter(search, search.base())[1] / 0.032
 
 
 def cloth(share: float) -> str:

@@ -99,8 +99,8 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
         return f"{wanted} constants need as many rows, the tests fitted have {len(rows)}"
     fit = fit_law(problem, reach(curves) if setting.stable else None, pairs=pairs(law, curves))
     if fit is None:
-        wanted_so = " that are stable over the data" if setting.stable else ""
-        return f"the law cannot carry these stretches with constants in its box{wanted_so}"
+        such = " that are stable over the data" if setting.stable else ""
+        return f"the law cannot carry these stretches with constants in its box{such}"
     measured, model = rows.stress, _model_stress(fit, rows)
     total = figures(measured, model)
     if total is None:

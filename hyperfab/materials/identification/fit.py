@@ -107,24 +107,19 @@ def _free_optimum(problem: Problem, near: Sequence[float] | None) -> Fit | None:
         points, fewer = starts(problem), _with_idle_term(problem)
         if fewer is not None:
             points = np.concatenate([points, beside(problem, problem.coordinates(fewer.material.theta))])
-    if near is None and len(problem.rows) > MANY:
-        # Long tests: the starts are compared on some of the rows, the best one is finished on all.
-        few = polish(thinned(problem, MANY), points, finish=False)
-        points = few.u if len(few.u) == 1 else points
+        if len(problem.rows) > MANY:
+            # Long tests: the starts are compared on some of the rows, the best one is finished on all.
+            few = polish(thinned(problem, MANY), points, finish=False)
+            points = few.u if len(few.u) == 1 else points
     state = polish(problem, points)
-    there = bool(np.isfinite(state.sse).any())
-    if near is not None and not there:
-        fewer = _with_idle_term(problem)
-    found = None
-    if there:
-        u, c = state.u[0], state.projection.c[0]
-        if problem.law.exchangeable:
-            order = problem.law.order([float(value) for value in problem.theta(list(u))])
-            u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
-        found = _fit(problem, u, c)
-    if found is None or (fewer is not None and fewer.sse < found.sse * (1.0 - _NO_GAIN)):
-        return fewer
-    return found
+    if not np.isfinite(state.sse).any():
+        return fewer if near is None else _with_idle_term(problem)
+    u, c = state.u[0], state.projection.c[0]
+    if problem.law.exchangeable:
+        order = problem.law.order([float(value) for value in problem.theta(list(u))])
+        u, c = u[order], c.reshape(problem.rows.groups, -1)[:, order].ravel()
+    found = _fit(problem, u, c)
+    return fewer if fewer is not None and fewer.sse < found.sse * (1.0 - _NO_GAIN) else found
 
 
 def _with_idle_term(problem: Problem) -> Fit | None:

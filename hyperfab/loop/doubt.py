@@ -1,0 +1,110 @@
+"""What specimens that scatter could explain as well: which names stand beside that, and what is said without any."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.loop.candidate import Candidate
+from hyperfab.loop.fitting import least_misfits
+from hyperfab.loop.replicates import replicates
+from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import MARGIN, ONE_CLOTH, SMALL, TOLD
+
+#: Scatters of specimens that are tried.
+_SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
+
+
+def undoubted(search: Search, best: Candidate) -> Candidate:
+    """Take out terms that specimens which scatter more than the few replicates show could explain as well.
+
+    The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
+    replicates; of one that stands alone nothing is known but what the others scatter by. Where no two were tested
+    alike they may scatter as those of one cloth do.
+    """
+    while best.ids and (search.noise.gain_doubt or _none_alike(search)):
+        whole, _ = likeliest_scatter(search, best, best)
+        worth = {
+            name: likeliest_scatter(search, search.without(best, name), best)[0]
+            - whole
+            - _of_each(best, name)
+            for name in best.ids
+        }
+        weakest = min(worth, key=lambda name: worth[name])
+        if worth[weakest] >= MARGIN:
+            break
+        best = search.without(best, weakest)
+    return best
+
+
+def _none_alike(search: Search) -> bool:
+    """Whether nothing but what specimens of one cloth do tells how much these scatter, several of them."""
+    noise = search.noise
+    return len(noise.groups) > 1 and not noise.gain_sd and not replicates(search.problem.curves)
+
+
+def _of_each(state: Candidate, name: str) -> float:
+    """Return what the constants of a term cost that has one for each specimen, as a stiffness of each would.
+
+    In minus twice the logarithm of the likelihood: each is known from the rows of its specimen.
+    """
+    form = state.fit.forms[name]
+    if not form.of_each:
+        return 0.0
+    count = len(form.constants)
+    return count * float(np.log(max(len(state.fit.residual) / count, 1.0)))
+
+
+def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None = None) -> tuple[float, float]:
+    """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
+
+    What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
+    Beside it, where no two were tested alike, a few that follow a term by chance must not pass for ones that do not
+    scatter: what is usual counts as one specimen more (a scaled inverse chi-squared distribution of the variance).
+    """
+
+    # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
+    most = TOLD * search.noise.gain_doubt or np.inf
+    scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
+
+    def misfits(one: Candidate) -> tuple[Array, Array]:
+        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
+        entropy = np.array([metric.entropy for metric in metrics])
+        return least_misfits(search.problem, metrics, one.fit), entropy
+
+    misfit, entropy = misfits(state)
+    least = misfit if best is None else misfits(best)[0]
+    # Of each kind of reading: what lacks in the contraction makes no stress less sure.
+    count = np.unique(search.problem.channel, return_counts=True)[1]
+    surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
+    if best is not None and _none_alike(search):
+        variance = np.array(scatters) ** 2
+        surprise += np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance
+    likeliest = int(np.argmin(surprise))
+    return float(surprise[likeliest]), scatters[likeliest]
+
+
+def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:
+    """Return the verdict where nothing is named, and the scatter of specimens it rests on.
+
+    It is noise if specimens that scatter more than was seen could be all there is: where effects were ``doubted`` for
+    that, or where no two were tested alike and they scatter no more than those of one cloth do.
+    """
+    if before.judgement.is_small:
+        return "noise", 0.0
+    noise = search.noise
+    if not noise.groups or (replicates(search.problem.curves) and not doubted):
+        return "unexplained", 0.0
+    if any(off > 0.0 for off in search.problem.forbidden(before.fit.x, {}).values()):
+        # What nature does not allow is not what is left once specimens scatter.
+        return "unexplained", 0.0
+    likeliest = likeliest_scatter(search, before)[1]
+    if not noise.gain_sd and likeliest > ONE_CLOTH:
+        return "unexplained", 0.0
+    assumed = max(noise.gain_doubt, likeliest)
+    left = float(
+        np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit))
+    )
+    rows = len(before.fit.residual) - len(before.fit.x)
+    small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
+    return ("noise", assumed) if small else ("unexplained", 0.0)
