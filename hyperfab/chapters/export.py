@@ -10,9 +10,14 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import UsageError
 from hyperfab.io.output import check_place, write_single
 from hyperfab.materials.export import NoCard, Settings, format_called, formats
+from hyperfab.materials.export.card import poisson
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.stability import stable_ranges
+
+#: What a document's law may be.
+Law = Material | Orthotropic | Hyperfoam
 
 
 def run(job: Job, case: ExportCase) -> int:
@@ -49,19 +54,28 @@ def run(job: Job, case: ExportCase) -> int:
         comments=_comments(fabric, law, direction),
     )
     try:
-        card = (
-            chosen.sheet_card(law, settings) if isinstance(law, Orthotropic) else chosen.card(law, settings)
-        )
+        card = chosen.card(law, settings)
     except NoCard as error:
-        out = f"; {_way_out(law, settings)}" if isinstance(law, Orthotropic) else ""
+        out = "" if isinstance(law, Material) else f"; {_way_out(law, settings)}"
         raise UsageError(f"--to {case.to}: {error}{out}") from None
     write_single(job.target, card.encode(), job.inputs)
     return 0
 
 
-def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Material | Orthotropic) -> None:
-    """Refuse a bulk modulus, or say that one is left aside, where the law itself tells how the volume changes."""
-    if isinstance(law, Orthotropic) or float(law.law.contraction(law.theta)) >= 0.5:
+def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law) -> None:
+    """Refuse a bulk modulus, or say that one is left aside, where the law itself tells how the volume changes.
+
+    Say also where one is so small that what is pulled widens.
+    """
+    if isinstance(law, Orthotropic):
+        return
+    if isinstance(law, Material) and float(law.law.contraction(law.theta)) >= 0.5:
+        bulk = case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa
+        if bulk is not None and (nu := poisson(law, bulk)) < 0.0:
+            job.console.warn(
+                f"a bulk modulus of {bulk:.4g} MPa is below two thirds of the shear modulus: Poisson's ratio is "
+                f"{nu:.2g}, it widens where it is pulled"
+            )
         return
     if case.bulk_modulus is not None:
         raise UsageError(
@@ -73,12 +87,12 @@ def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Mat
         )
 
 
-def _way_out(law: Orthotropic, settings: Settings) -> str:
-    """Return what holds a sheet that one solver cannot: other solvers, else a law of each direction."""
+def _way_out(law: Orthotropic | Hyperfoam, settings: Settings) -> str:
+    """Return what holds a sheet or a foam that one solver cannot: other solvers, else a law of each direction."""
     able = []
     for name in formats():
         try:
-            format_called(name).sheet_card(law, settings)
+            format_called(name).card(law, settings)
         except NoCard:
             continue
         able.append(name)
@@ -111,7 +125,7 @@ def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
         job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}")
 
 
-def _comments(fabric: FabricDocument, law: Material | Orthotropic, direction: str | None) -> list[str]:
+def _comments(fabric: FabricDocument, law: Law, direction: str | None) -> list[str]:
     """Return what a reader of the card should know, a line each."""
     source, shown = fabric.document, fabric.temperature
     lines = [f"hyperfab {__version__}: {source.model}; units N, mm, MPa, t, s"]
@@ -122,16 +136,15 @@ def _comments(fabric: FabricDocument, law: Material | Orthotropic, direction: st
         lines.append(f"constants of {', '.join(at)}")
     fit = (source.directions or {}).get(direction or "", source).fit
     if fit is not None:
-        lines.append(f"relative rms {fit.relative_rms:.4g} over {fit.points} readings")
+        by = source.accepted_by or "relative_rms"
+        lines.append(f"{by.replace('_', ' ')} {getattr(fit, by):.4g} over {fit.points} readings")
     for mode, first in _first_unstable(source, law, direction).items():
         if first is not None:
             lines.append(f"{mode}: unstable from stretch {first:.4g}")
     return lines
 
 
-def _first_unstable(
-    source: MaterialDocument, law: Material | Orthotropic, direction: str | None
-) -> dict[str, float | None]:
+def _first_unstable(source: MaterialDocument, law: Law, direction: str | None) -> dict[str, float | None]:
     """Return the stretch of each mode from which the card's own constants are unstable, None where there is none."""
     if isinstance(law, Material):  # at the temperature asked for, of which the document says nothing
         return {mode: one.first_unstable for mode, one in stable_ranges(law).items()}

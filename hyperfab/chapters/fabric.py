@@ -17,6 +17,7 @@ from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
 from hyperfab.materials.effects.elastic_law import richer
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
+from hyperfab.materials.law import scaled
 from hyperfab.materials.orthotropic import Orthotropic
 
 #: The law that is the whole sheet's, not one direction's.
@@ -58,7 +59,7 @@ class FabricDocument:
             factor = self._factor(*softening)
             if self.document.model == ORTHOTROPIC:
                 return dict(self._orthotropic(own).scaled(factor).parameters)
-            return self._bound(own, direction).law.scaled(own, factor)
+            return scaled(own, factor)
         known = self.document.temperature_degC
         if self.asked is None or self._table(direction):
             return self.document.constants(direction, self.asked)
@@ -85,9 +86,11 @@ class FabricDocument:
         factor = self._factor(*softening)
         return replace(material, c=tuple(factor * value for value in material.c))
 
-    def law(self, direction: str | None = None) -> Material | Orthotropic:
+    def law(self, direction: str | None = None) -> Material | Orthotropic | Hyperfoam:
         """Return the law as its constants alone tell it, at the temperature asked for: without the terms of effects."""
         constants = self.constants(direction)
+        if self.document.model in ORDERS:
+            return self._foam(constants)
         if self.document.model == ORTHOTROPIC:
             return self._orthotropic(constants)
         return self._bound(constants, direction, anisotropic=False)
@@ -103,12 +106,17 @@ class FabricDocument:
                 remedy=f"fit the foam's tests with --model {', '.join(ORDERS)}",
             )
         rows = sorted(self.document.temperatures or [], key=lambda row: row.temperature_degC)
+        if not rows:
+            return [(None, self._foam(self.document.constants()))]
+        return [(row.temperature_degC, self._foam(row.parameters)) for row in rows]
+
+    def _foam(self, constants: Mapping[str, float]) -> Hyperfoam:
         try:
-            if not rows:
-                return [(None, Hyperfoam.of(self.document.constants()))]
-            return [(row.temperature_degC, Hyperfoam.of(row.parameters)) for row in rows]
+            return Hyperfoam.of(constants)
         except (KeyError, ValueError) as error:
-            raise InputError(f"no constants of {model}: {error}", file=self.name, key="parameters") from None
+            raise InputError(
+                f"no constants of {self.document.model}: {error}", file=self.name, key="parameters"
+            ) from None
 
     def sheet(self) -> Orthotropic | None:
         """Return the law of the whole sheet at the temperature asked for; None where the law is of one direction."""

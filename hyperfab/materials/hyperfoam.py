@@ -59,6 +59,11 @@ class Hyperfoam:
         return np.asarray(nu / (1.0 - 2.0 * nu))
 
     @property
+    def bulk_modulus(self) -> float:
+        """The bulk modulus at rest [MPa]."""
+        return float(2.0 * np.asarray(self.mu) @ (1.0 / 3.0 + self.beta))
+
+    @property
     def parameters(self) -> dict[str, float]:
         """The constants as a material document has them."""
         return {
@@ -84,6 +89,11 @@ class Hyperfoam:
         if not n or 0.0 in alpha or not all(-1.0 < one < 0.5 for one in nu) or not sum(mu) > 0.0:
             raise ValueError("nu is from -1 to below 0.5, alpha not 0, and the sum of mu above 0")
         return found
+
+    def without_nothing(self) -> Hyperfoam:
+        """Return the same law without terms of zero stress."""
+        terms = [one for one in zip(self.mu, self.alpha, self.nu, strict=True) if one[0] != 0.0]
+        return Hyperfoam(*zip(*terms, strict=True))
 
     def stress(self, test: str, stretch: ArrayLike, stretch2: ArrayLike | None = None) -> Array:
         """Return the stress [MPa] of a test at ``stretch`` (n,), negative in compression; nan where there is no state.

@@ -88,6 +88,40 @@ def test_a_bulk_modulus_beside_a_law_with_a_volume_of_its_own_is_not_passed_over
     assert b"volumetric test is left aside" in done.stderr
 
 
+def test_a_bulk_modulus_at_which_a_pull_widens_is_told(hf: Run) -> None:
+    document = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.3}}
+    for K, said in ((0.39, True), (0.41, False)):
+        done = hf(
+            "export", "-", "--to", "abaqus", "--bulk-modulus", f"{K}MPa", stdin=json.dumps(document).encode()
+        )
+        assert done.returncode == 0
+        assert (b"widens" in done.stderr) == said
+
+
+def test_a_foam_has_a_card_at_each_temperature_and_a_way_out(hf: Run) -> None:
+    """Between two tests constants go linearly; LS-DYNA has one Poisson's ratio for all terms, FEBio none."""
+
+    def foam(mu: float) -> dict[str, float]:
+        return {"mu1_MPa": mu, "alpha1": 8.0, "nu1": 0.1, "mu2_MPa": 0.5 * mu, "alpha2": -2.0, "nu2": 0.3}
+
+    document = {
+        "format": "hyperfab.material/1", "model": "hyperfoam-2", "parameters": foam(0.1), "temperature_degC": 20.0,
+        "temperatures": [{"temperature_degC": t, "parameters": foam(mu)} for t, mu in ((20.0, 0.1), (100.0, 0.06))],
+    }  # fmt: skip
+    given = json.dumps(document).encode()
+    for degrees, mu in ((20, b"0.1"), (60, b"0.08"), (100, b"0.06")):
+        done = hf("export", "-", "--to", "abaqus", "--temperature", f"{degrees}degC", stdin=given)
+        assert done.returncode == 0
+        assert b"*HYPERFOAM, N=2\n" + mu + b", 8.0, " in done.stdout
+    for solver in ("ls-dyna", "febio"):
+        done = hf("export", "-", "--to", solver, stdin=given)
+        assert done.returncode == 2
+        assert b"0.1, 0.3; abaqus and ansys can" in done.stderr
+    done = hf("export", "-", "--to", "abaqus", "--bulk-modulus", "500MPa", stdin=given)
+    assert done.returncode == 2
+    assert b"by its own nu; leave the option out" in done.stderr
+
+
 def test_constants_that_are_those_of_one_direction_are_told_as_that(hf: Run) -> None:
     """``hf close-loop`` writes so what it found of the weft beside a model of the warp."""
     warp = {"C10_MPa": 0.06}

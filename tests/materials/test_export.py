@@ -8,10 +8,12 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 from laws.constants import CONSTANTS
+from scipy.optimize import brentq
 
 from hyperfab.materials import Material, bind, laws
 from hyperfab.materials.export import NoCard, Settings, formats
 from hyperfab.materials.export.card import field
+from hyperfab.materials.hyperfoam import Hyperfoam
 
 L1, L2 = np.array([1.2, 2.0, 3.0]), np.array([1.1, 0.8, 1.5])
 CASES = [(one, law) for one in sorted(formats()) for law in formats()[one].writers]
@@ -77,10 +79,13 @@ def gent(mu, limit):
 
 
 def foam(terms):
-    """Terms of factor (sum l^n - 3 + (J^(-n beta) - 1)/beta)."""
+    """Terms of factor (sum l^n - 3 + (J^(-n beta) - 1)/beta), where beta is 0 its limit -n ln J."""
+
+    def of_volume(J, n, beta):
+        return (J ** (-n * beta) - 1) / beta if beta else -n * np.log(J)
+
     return lambda a, b, c: sum(
-        factor * (a**n + b**n + c**n - 3 + ((a * b * c) ** (-n * beta) - 1) / beta)
-        for factor, n, beta in terms
+        factor * (a**n + b**n + c**n - 3 + of_volume(a * b * c, n, beta)) for factor, n, beta in terms
     )
 
 
@@ -180,6 +185,15 @@ def read_febio(card: str):
     found = ElementTree.fromstring(re.sub(r"<!--.*?-->", "", card))
     values = {child.tag: float(child.text or "nan") for child in found}
     kind = found.get("type")
+    if kind == "Ogden unconstrained":
+        assert values["cp"] == 0.0
+        return foam(
+            [
+                (values[f"c{k}"] / values[f"m{k}"] ** 2, values[f"m{k}"], 0.0)
+                for k in range(1, 7)
+                if f"c{k}" in values
+            ]
+        )
     assert values["k"] > 0.0
     if kind == "Mooney-Rivlin":
         return polynomial({(1, 0): values["c1"], (0, 1): values["c2"]})
@@ -217,6 +231,60 @@ def test_card_read_by_the_solver_s_convention_gives_the_same_stress(solver: str,
     found = stress_of(energy) if name.startswith("blatz") else kept_volume(energy)
     # Differences of the energy, fourth order.
     np.testing.assert_allclose(found, expected, rtol=2e-6 if name.startswith("blatz") else 1e-8)
+
+
+def slope(energy, at: float) -> float:
+    """Derivative by a step into the complex plane, to all digits."""
+    return float(np.imag(energy(at + 1e-30j)) / 1e-30)
+
+
+def foam_tests(energy, x: float) -> dict[str, float]:
+    """What an energy of three stretches reads at a stretch, shear strain or volume ratio ``x``."""
+
+    def free(of) -> float:
+        return brentq(lambda side: slope(of, side), 0.1, 8.0, xtol=1e-15, rtol=1e-15)
+
+    side = free(lambda t: energy(x, t, t))
+    thin, thinner = free(lambda t: energy(x, 1.0, t)), free(lambda t: energy(x, x, t))
+
+    def sheared(gamma):
+        first = np.exp(np.arcsinh(0.5 * gamma))
+        return energy(first, 1.0 / first, 1.0)
+
+    return {
+        "uniaxial": slope(lambda l1: energy(l1, side, side), x),
+        "lateral": side,
+        "confined-compression": slope(lambda l1: energy(l1, 1.0, 1.0), x),
+        "shear": slope(lambda l1: energy(l1, 1.0, thin), x),
+        "biaxial": slope(lambda l1: energy(l1, x, thinner), x),
+        "simple-shear": slope(sheared, x),
+        "volumetric": slope(lambda J: energy(*[J ** (1 / 3)] * 3), x),
+    }
+
+
+FOAMS = {
+    "one": Hyperfoam((0.1,), (8.0,), (0.1,)),
+    "auxetic": Hyperfoam((0.1,), (-3.0,), (-0.25,)),
+    "alike": Hyperfoam((0.1, 0.05), (8.0, -2.0), (0.23, 0.23)),
+    "signed": Hyperfoam((0.1, 0.05, -0.01), (8.0, -2.0, 3.0), (0.1, 0.3, -0.2)),
+    "of no contraction": Hyperfoam((0.1, 0.0, 0.05), (8.0, 3.0, -2.0), (0.0, 0.3, 0.0)),
+}
+
+
+@pytest.mark.parametrize("name", FOAMS)
+@pytest.mark.parametrize("solver", sorted(formats()))
+def test_a_foam_s_card_answers_every_test_as_the_law(solver: str, name: str) -> None:
+    law = FOAMS[name]
+    held = {"febio": name == "of no contraction", "ls-dyna": name != "signed"}
+    if not held.get(solver, True):
+        with pytest.raises(NoCard, match=r"0\.1, 0\.3, -0\.2|not "):
+            formats()[solver].card(law, Settings())
+        return
+    energy = READERS[solver](formats()[solver].card(law, Settings(comments=("of -- a --- test",))))
+    for x in (0.5, 0.9, 1.3, 1.7):
+        for test, found in foam_tests(energy, x).items():
+            expected = law.lateral("uniaxial", [x]) if test == "lateral" else law.stress(test, [x])
+            assert found == pytest.approx(float(expected[0]), rel=1e-9), (test, x)
 
 
 def test_a_law_the_solver_lacks_is_refused_with_those_it_has() -> None:

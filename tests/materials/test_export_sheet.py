@@ -96,7 +96,7 @@ def pulled(energy: Energy, angle: float, stretch: float) -> float:
 @pytest.mark.parametrize(("name", "constants"), [("febio", SHEET), ("febio", ALIKE), ("abaqus", ALIKE)])
 def test_a_card_carries_what_the_sheet_carries(name: str, constants: dict[str, float]) -> None:
     law = Orthotropic.of(constants)
-    energy = READ[name](formats()[name].sheet_card(law, Settings()))
+    energy = READ[name](formats()[name].card(law, Settings()))
     for angle in (0.0, 90.0, 45.0, 20.0):
         for stretch in (1.1, 1.4):
             expected = strip(law, angle, [stretch]).stress[0]
@@ -116,7 +116,7 @@ def test_a_sheet_without_threads_is_the_isotropic_card(name: str) -> None:
     from hyperfab.materials import bind
 
     one = formats()[name]
-    assert one.sheet_card(Orthotropic.of(GROUND), Settings()) == one.card(bind("yeoh-3", GROUND), Settings())
+    assert one.card(Orthotropic.of(GROUND), Settings()) == one.card(bind("yeoh-3", GROUND), Settings())
 
 
 @pytest.mark.parametrize(
@@ -131,13 +131,13 @@ def test_a_sheet_without_threads_is_the_isotropic_card(name: str) -> None:
 )
 def test_what_a_card_cannot_hold_is_said(name: str, constants: dict[str, float], words: list[str]) -> None:
     with pytest.raises(NoCard) as refused:
-        formats()[name].sheet_card(Orthotropic.of(constants), Settings())
+        formats()[name].card(Orthotropic.of(constants), Settings())
     for word in words:
         assert word in str(refused.value)
 
 
 def test_names_in_an_abaqus_card_have_80_characters_at_most() -> None:
-    text = formats()["abaqus"].sheet_card(Orthotropic.of(ALIKE), Settings(name="x" * 80))
+    text = formats()["abaqus"].card(Orthotropic.of(ALIKE), Settings(name="x" * 80))
     names = re.findall(r"NAME=([^,\n]+)", text)
     assert len(names) == 2
     assert max(map(len, names)) == 80

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.registry import bind
@@ -34,43 +35,57 @@ class Settings:
 Writer = Callable[[Material, Settings], list[str]]
 #: Writes the card's lines for an orthotropic sheet with threads.
 SheetWriter = Callable[[Orthotropic, Settings], list[str]]
+#: Writes the card's lines for a foam.
+FoamWriter = Callable[[Hyperfoam, Settings], list[str]]
 
 
 @dataclass(frozen=True)
 class Format:
     """A solver's card format: its name, the ending of its files, how it marks comments, a writer for each law.
 
-    ``sheet`` writes an orthotropic sheet, where the solver has a law of threads.
+    ``foam`` writes a hyperfoam, ``sheet`` an orthotropic sheet, where the solver has a law of threads.
     """
 
     name: str
     suffix: str
     comment: Callable[[str], str]
     writers: Mapping[str, Writer]
+    foam: FoamWriter
     sheet: SheetWriter | None = None
 
-    def card(self, material: Material, settings: Settings) -> str:
-        """Return the card as text; NoCard where the solver has no such law."""
-        writer = self.writers.get(material.law.name)
+    def card(self, law: Material | Orthotropic | Hyperfoam, settings: Settings) -> str:
+        """Return the card as text; NoCard with the reasons where the solver cannot hold the law."""
+        comments = (self.comment(line) for line in settings.comments)
+        return "\n".join([*comments, *self._lines(law, settings)]) + "\n"
+
+    def _lines(self, law: Material | Orthotropic | Hyperfoam, settings: Settings) -> list[str]:
+        if isinstance(law, Hyperfoam):
+            return self.foam(law.without_nothing(), settings)
+        if isinstance(law, Orthotropic):
+            refuse(self.name, law)
+            if not families(law):
+                return self._lines(ground(law), settings)
+            if self.sheet is None:
+                raise NoCard(
+                    f"{self.name} has no law of threads that bear tension alone; its fabrics take the curves of warp, "
+                    "weft and shear each by itself, not one energy of the sheet"
+                )
+            return self.sheet(law, settings)
+        writer = self.writers.get(law.law.name)
         if writer is None:
             known = ", ".join(self.writers)
-            raise NoCard(f"{self.name} has no law like {material.law.name}; it has {known}; fit one of these")
-        return self._text(writer(material, settings), settings)
+            raise NoCard(f"{self.name} has no law like {law.law.name}; it has {known}; fit one of these")
+        return writer(law, settings)
 
-    def sheet_card(self, law: Orthotropic, settings: Settings) -> str:
-        """Return the card of a sheet as text; NoCard with the reasons where the solver cannot hold it."""
-        refuse(self.name, law)
-        if not families(law):
-            return self.card(ground(law), settings)
-        if self.sheet is None:
-            raise NoCard(
-                f"{self.name} has no law of threads that bear tension alone; its fabrics take the curves of warp, weft "
-                "and shear each by itself, not one energy of the sheet"
-            )
-        return self._text(self.sheet(law, settings), settings)
 
-    def _text(self, lines: Sequence[str], settings: Settings) -> str:
-        return "\n".join([*(self.comment(line) for line in settings.comments), *lines]) + "\n"
+def as_foam(write: FoamWriter) -> Writer:
+    """Return the writer of Blatz and Ko's law: a hyperfoam, alpha 2 for the bracket of I1 and -2 for that of I2."""
+
+    def of_brackets(material: Material, settings: Settings) -> list[str]:
+        foam = Hyperfoam(tuple(material.c), (2.0, -2.0), 2 * tuple(material.theta))
+        return write(foam.without_nothing(), settings)
+
+    return of_brackets
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """Abaqus: ``*HYPERELASTIC`` and ``*HYPERFOAM``.
 
 Conventions that differ from ours: Ogden's energy is ``sum 2 mu/alpha^2 (...)``, so mu = our mu alpha/2; D1 = 2/K, and
-0 keeps the volume. Laws of I1 that Abaqus lacks go in as Marlow's law: a uniaxial curve, which is exact for them.
+0 keeps the volume. Hyperfoam is as here: mu and alpha of each term, then nu of all. Laws of I1 that Abaqus lacks go in
+as Marlow's law: a uniaxial curve, which is exact for them.
 
 An orthotropic sheet goes in as the law of Holzapfel, Gasser and Ogden without dispersion (kappa 0), whose ground is
 neo-Hookean and whose families of threads are all alike; their directions stand in the section's orientation.
@@ -18,6 +19,7 @@ from hyperfab.materials.export.card import (
     NoCard,
     Settings,
     Writer,
+    as_foam,
     cij,
     families,
     number,
@@ -26,6 +28,7 @@ from hyperfab.materials.export.card import (
     refuse,
     volumetric,
 )
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
@@ -90,14 +93,11 @@ def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
     )
 
 
-def _foam(material: Material, settings: Settings) -> list[str]:
-    """Hyperfoam with alpha = 2 for the bracket of I1 and -2 for that of I2, Poisson's ratio for both."""
-    (first, second), (nu,) = material.c, material.theta
-    terms = [(mu, alpha) for mu, alpha in ((first, 2.0), (second, -2.0)) if mu != 0.0]
-    if not terms:
-        raise NoCard("mu is zero")
-    values = [value for term in terms for value in term] + [nu] * len(terms)
-    return _card(f"*HYPERFOAM, N={len(terms)}", values, settings)
+def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
+    if len(law.mu) == 1:  # CalculiX, which reads these cards, ends without a word where N is 1: two halves
+        law = Hyperfoam((0.5 * law.mu[0],) * 2, law.alpha * 2, law.nu * 2)
+    pairs = [value for term in zip(law.mu, law.alpha, strict=True) for value in term]
+    return _card(f"*HYPERFOAM, N={len(law.mu)}", [*pairs, *law.nu], settings)
 
 
 def _marlow(material: Material, settings: Settings) -> list[str]:
@@ -166,6 +166,7 @@ def _way(material: Material, end: float) -> Array:
 FORMAT = Format(
     name="abaqus",
     suffix=".inp",
+    foam=_foam,
     sheet=_sheet,
     comment=lambda line: f"** {line}",
     writers={
@@ -181,8 +182,7 @@ FORMAT = Format(
         "ogden-2": _ogden,
         "ogden-3": _ogden,
         "arruda-boyce": _arruda_boyce,
-        "blatz-ko": _foam,
-        "blatz-ko-general": _foam,
+        **dict.fromkeys(("blatz-ko", "blatz-ko-general"), as_foam(_foam)),
         "gent": _marlow,
         "arruda-boyce-langevin": _marlow,
     },

@@ -2,14 +2,17 @@
 
 Conventions: the neo-Hookean constant is the shear modulus, mu = 2 C10; Ogden, Arruda-Boyce and Gent are as here; the
 compressibility parameter d is 2/K, and 0 keeps the volume; the five- and nine-constant Mooney-Rivlin tables run C10,
-C01, C20, C11, C02, C30, C21, C12, C03, the three-constant one C10, C01, C11.
+C01, C20, C11, C02, C30, C21, C12, C03, the three-constant one C10, C01, C11. Ogden's foam is
+``sum mu/alpha (sum l^alpha - 3 + (J^(-alpha beta) - 1)/beta)`` with beta = nu/(1 - 2 nu), so mu = 2/alpha of ours: mu
+and alpha of each term, then beta of all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.export.card import Format, NoCard, Settings, Writer, cij, number, pairs, volumetric
+from hyperfab.materials.export.card import Format, Settings, Writer, as_foam, cij, number, pairs, volumetric
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 
 #: Constants a TBDATA command takes.
@@ -59,24 +62,20 @@ def _two(option: str) -> Writer:
     return write
 
 
-def _blatz(material: Material, settings: Settings) -> list[str]:
-    first, second = material.c
-    nu = material.theta[0]
-    if first == 0.0 and nu == 0.25:
-        return _table("BLATZ", None, [second], settings)
-    # Ogden's compressible foam, sum mu/alpha (...): alpha = 2 for the bracket of I1, -2 for that of I2.
-    beta = nu / (1.0 - 2.0 * nu)
-    terms = [(mu, alpha) for mu, alpha in ((first, 2.0), (-second, -2.0)) if mu != 0.0]
-    if not terms:
-        raise NoCard("mu is zero")
-    values = [value for term in terms for value in term] + [beta] * len(terms)
-    return _table("FOAM", len(terms), values, settings)
+def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
+    if (law.alpha, law.nu) == ((-2.0,), (0.25,)):
+        return _table("BLATZ", None, law.mu, settings)
+    pairs = [
+        value for mu, alpha in zip(law.mu, law.alpha, strict=True) for value in (2.0 * mu / alpha, alpha)
+    ]
+    return _table("FOAM", len(law.mu), [*pairs, *map(float, law.beta)], settings)
 
 
 FORMAT = Format(
     name="ansys",
     suffix=".inp",
     comment=lambda line: f"! {line}",
+    foam=_foam,
     writers={
         "neo-hookean": _neo,
         "yeoh-1": _neo,
@@ -91,7 +90,6 @@ FORMAT = Format(
         "ogden-3": _ogden,
         "arruda-boyce": _two("BOYCE"),
         "gent": _two("GENT"),
-        "blatz-ko": _blatz,
-        "blatz-ko-general": _blatz,
+        **dict.fromkeys(("blatz-ko", "blatz-ko-general"), as_foam(_foam)),
     },
 )

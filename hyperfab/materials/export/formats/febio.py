@@ -1,9 +1,12 @@
-"""FEBio: uncoupled materials of the ``<Material>`` section.
+"""FEBio: materials of the ``<Material>`` section.
 
 Conventions: Ogden's energy is ``sum c/m^2 (...)``, so c = our mu alpha; Yeoh's constants are c1 to c6; Gent's limit is
 Jm. The Arruda-Boyce series is written as the Yeoh polynomial it is: FEBio's own law takes the series' coefficients
 times their order, and would be too stiff. The bulk modulus is always needed: a thousand shear moduli where none is
 known.
+
+A foam is unconstrained, all else uncoupled. Ogden's unconstrained energy ``sum c/m^2 (sum l^m - 3 - m ln J) +
+cp/2 (J - 1)^2`` is a hyperfoam where nu is 0, with c = 2 mu and cp = 0.
 
 An orthotropic sheet is an uncoupled mixture of Yeoh's law and of threads ``fiber-exp-pow-uncoupled``, whose energy
 ``ksi/(alpha beta) (exp(alpha (I - 1)^beta) - 1)`` is ours with ksi = k1, alpha = k2, beta = 2, in tension alone;
@@ -19,6 +22,7 @@ from xml.sax.saxutils import escape, quoteattr
 
 from hyperfab.materials.export.card import (
     Format,
+    NoCard,
     Settings,
     families,
     ground,
@@ -27,6 +31,7 @@ from hyperfab.materials.export.card import (
     series_as_powers,
     shear_modulus,
 )
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 
@@ -40,11 +45,29 @@ def _material(
     if bulk is None:
         bulk = _STIFF * shear_modulus(material)
     rows = [("density", settings.density), *values, ("k", bulk)]
+    return _element(kind, rows, settings)
+
+
+def _element(kind: str, rows: Sequence[tuple[str, float]], settings: Settings) -> list[str]:
     return [
         f'<material id="{settings.number}" name={quoteattr(settings.name)} type={quoteattr(kind)}>',
         *(f"  <{tag}>{number(value)}</{tag}>" for tag, value in rows),
         "</material>",
     ]
+
+
+def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
+    if any(law.nu):
+        raise NoCard(
+            "febio has no law of a foam that contracts: its Ogden unconstrained is a hyperfoam where nu is 0, not "
+            + ", ".join(f"{nu:.4g}" for nu in law.nu)
+        )
+    terms = [
+        pair
+        for k, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), 1)
+        for pair in ((f"c{k}", 2.0 * mu), (f"m{k}", alpha))
+    ]
+    return _element("Ogden unconstrained", [("density", settings.density), *terms, ("cp", 0.0)], settings)
 
 
 def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
@@ -107,6 +130,7 @@ def _gent(material: Material, settings: Settings) -> list[str]:
 FORMAT = Format(
     name="febio",
     suffix=".feb",
+    foam=_foam,
     sheet=_sheet,
     comment=lambda line: f"<!-- {re.sub('-(?=-)', '- ', escape(line))} -->",
     writers={

@@ -2,14 +2,23 @@
 
 Conventions: Ogden's energy is ``sum mu/alpha (...)`` as here; Arruda-Boyce takes the number of links N = lambda_m^2 and
 the modulus G of the series; the change of volume goes by Poisson's ratio (077) or the bulk modulus (127). Hill's foam
-is ``sum C/b (sum l^b - 3 + (J^(-n b) - 1)/n)``.
+is ``sum C/b (sum l^b - 3 + (J^(-n b) - 1)/n)`` with one n = nu/(1 - 2 nu), so C = 2 mu/alpha, b = alpha.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from hyperfab.materials.export.card import Format, NoCard, Settings, cij, field, pairs, poisson, shear_modulus
+from hyperfab.materials.export.card import (
+    Format,
+    NoCard,
+    Settings,
+    as_foam,
+    cij,
+    field,
+    pairs,
+    poisson,
+    shear_modulus,
+)
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 
 #: Poisson's ratio that LS-DYNA's manual takes for rubber that keeps its volume.
@@ -77,24 +86,23 @@ def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
     ]
 
 
-def _foam(material: Material, settings: Settings) -> list[str]:
-    (first, second), (nu,) = material.c, material.theta
-    terms = [(c, b) for c, b in ((first, 2.0), (-second, -2.0)) if c != 0.0]
-    if not terms:
-        raise NoCard("mu is zero")
-    cs: Sequence[float] = [c for c, _ in terms]
-    bs: Sequence[float] = [b for _, b in terms]
-    mu = first + second
-    bulk = 2.0 * mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
+    if len(set(law.nu)) > 1:
+        raise NoCard(
+            "the terms of *MAT_HILL_FOAM have one Poisson's ratio, these have "
+            + ", ".join(f"{nu:.4g}" for nu in law.nu)
+        )
+    cs = [2.0 * mu / alpha for mu, alpha in zip(law.mu, law.alpha, strict=True)]
+    nothing = [0.0] * (8 - len(cs))
     return [
         "*MAT_HILL_FOAM_TITLE +",
         settings.name,
         _head("mid", "ro", "k", "n", "mu", "lcid", "fittype", "lcsr"),
-        _row(str(settings.number), settings.density, bulk, nu / (1.0 - 2.0 * nu), 0.1, "0", "0", "0"),
+        _row(str(settings.number), settings.density, law.bulk_modulus, law.beta[0], 0.1, "0", "0", "0"),
         _head(*(f"c{r}" for r in range(1, 9))),
-        _row(*cs, *[0.0] * (8 - len(cs))),
+        _row(*cs, *nothing),
         _head(*(f"b{r}" for r in range(1, 9))),
-        _row(*bs, *[0.0] * (8 - len(bs))),
+        _row(*law.alpha, *nothing),
     ]
 
 
@@ -102,11 +110,12 @@ FORMAT = Format(
     name="ls-dyna",
     suffix=".k",
     comment=lambda line: f"$ {line}",
+    foam=_foam,
     writers={
         **dict.fromkeys(("neo-hookean", "yeoh-1", "yeoh-2", "yeoh-3"), _rubber),
         **dict.fromkeys(("mooney-rivlin-2", "mooney-rivlin-3", "mooney-rivlin-5"), _rubber),
         **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
         "arruda-boyce": _arruda_boyce,
-        **dict.fromkeys(("blatz-ko", "blatz-ko-general"), _foam),
+        **dict.fromkeys(("blatz-ko", "blatz-ko-general"), as_foam(_foam)),
     },
 )
