@@ -30,6 +30,7 @@ from hyperfab.materials.effects.path import (
     second_stretch,
     uniaxial_pull,
 )
+from hyperfab.materials.hyperfoam import Terms as Foam
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
@@ -138,9 +139,9 @@ class FabricProblem(Problem):
     @cached_property
     def _rising(self) -> Fabric | None:
         """Pairs of places close together in each kind of test, up to the largest I1 of these; None where several kinds
-        hold the law."""
+        hold the law, and of a foam, whose plateau is flat."""
         path = self.fabric.path
-        if len(np.unique(path.mode)) > 1:
+        if len(np.unique(path.mode)) > 1 or isinstance(self.law, Foam):
             return None
         far = float(np.max(_I1(path.mode, path.stretch, path.across)))
         stretch = np.linspace(1.0, float(np.sqrt(3.0 + far)), 2001)
@@ -220,7 +221,8 @@ def fabric_problem(
     for _, constants in held.values():
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
-    fabric = Fabric(law, path, reference, speed, hanging(path, curves, stress))
+    hang = None if isinstance(law, Foam) else hanging(path, curves, stress)
+    fabric = Fabric(law, path, reference, speed, hang)
     alike = {curve.start for pair in replicates(curves) for curve in pair}
     replicated = len(alike) > len(path.curves) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
@@ -261,7 +263,7 @@ def _own(
 ) -> tuple[Constant, ...]:
     found = []
     for name, value in zip(law.names, values, strict=True):
-        low, high = -np.inf, np.inf
+        low, high = law.bounds.get(name, (-np.inf, np.inf))
         scale = max(abs(value), 0.01 * size if name in law.stresses else 0.1)
         sd = np.inf if prior is None else max(prior * abs(value), 1e-9 * size)
         if name in law.held or name in fixed or f"{prefix}{name}" in fixed:
@@ -275,10 +277,11 @@ def _best_by_law(
 ) -> tuple[Array, ...]:
     """Return the constants of ``law`` that fit all rows best, ``sets`` times (warp and weft), before the others.
 
-    None for a law that is linear in its constants, whose one optimum any start finds. A document's constants, from few
+    None for a law that is linear in its constants, whose one optimum any start finds, and of a foam, whose fit seeks it
+    among many. A document's constants, from few
     tests, may lie in another valley than these data, or beyond the stretch where the law ends.
     """
-    if not law.nonlinear or not law.isotropic:
+    if not law.nonlinear or not law.isotropic or isinstance(law, Foam):
         return ()
     rows = np.flatnonzero((path.mode != GENERAL) & (path.stretch > 0.0) & np.isfinite(stress))
     if len(rows) == 0:
@@ -305,7 +308,9 @@ def _best_by_law(
 
 def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], TestCurve]]:
     """Yield tests that could be done next: what to say, what to do, and the test as the models see it (stress zero)."""
-    reach = max(float(np.max(test.stretch)) for test in tests) - 1.0
+    path, _ = path_of(tests)
+    pressed = bool(np.all(path.pressed))
+    reach = float(np.min(path.stretch) if pressed else np.max(path.stretch)) - 1.0
     speeds = [speed for test in tests if (speed := _speed(test)) is not None]
     pace = float(np.exp(np.median(np.log(speeds)))) if speeds else 0.01
     slow, fast = pace / 16.0, pace * 16.0
@@ -345,14 +350,17 @@ def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], T
     )
     yield one("two full cycles at a sixteenth of the rate", [*loop, *loop], slow)
     yield one("two full cycles at sixteen times the rate", [*loop, *loop], fast)
-    yield one("a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * reach / pace)
+    yield one(
+        "a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * abs(reach) / pace
+    )
     yield one("a cycle at a temperature 40 K higher", loop, pace, at=usual + 40.0)
     yield one("a cycle across the direction tested", loop, pace, along=(angle + 90.0) % 180.0)
     yield one("a cycle 45 degrees from the warp", loop, pace, along=45.0)
     for kind in _MODES:
         if kind != mode:
             yield one(f"a {kind} test to the same stretch", [full], pace, kind=kind)
-    yield one("a pull half as far again", [1.0 + 1.5 * reach], pace)
+    if not pressed:
+        yield one("a pull half as far again", [1.0 + 1.5 * reach], pace)
     yield one(
         "a slow pull through the first tenth of the stretch, read closely",
         [1.0 + 0.1 * reach, 1.0],

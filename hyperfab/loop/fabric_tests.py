@@ -12,7 +12,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.noise import MAD, third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, Path, held, moving
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, held, moving
 
 _SMOOTH_DEGREE = 5
 #: Rows slower than this share of a test's mean pace stand still.
@@ -36,10 +36,12 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
 
     count = [len(test.stretch) for test in tests]
     time = np.concatenate([_clock(test) for test in tests])
+    mode, stretch = np.repeat([MODE_NAMES.index(test.mode) for test in tests], count), column("stretch")
     path = Path(
         starts=tuple(int(v) for v in np.concatenate([[0], np.cumsum(count)])),
-        mode=np.repeat([MODE_NAMES.index(test.mode) for test in tests], count),
-        stretch=column("stretch"),
+        mode=mode,
+        # A shear strain is l - 1/l of the stretch l in its plane.
+        stretch=np.where(mode == SIMPLE_SHEAR, np.exp(np.arcsinh(0.5 * stretch)), stretch),
         across=column("stretch2"),
         time_s=time,
         temperature_degC=column("temperature_degC"),

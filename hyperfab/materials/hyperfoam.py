@@ -17,6 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
+from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import Law
+from hyperfab.materials.term import Term, Value
 
 #: The models by name, and their number of terms.
 ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}
@@ -62,6 +65,12 @@ class Hyperfoam:
     def bulk_modulus(self) -> float:
         """The bulk modulus at rest [MPa]."""
         return float(2.0 * np.asarray(self.mu) @ (1.0 / 3.0 + self.beta))
+
+    @property
+    def youngs_modulus(self) -> float:
+        """Young's modulus at rest [MPa]."""
+        K, G = self.bulk_modulus, sum(self.mu)
+        return 9.0 * K * G / (3.0 * K + G)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -115,6 +124,14 @@ class Hyperfoam:
         with np.errstate(all="ignore"):
             return np.asarray(np.exp(rows.strain(self)[:, 2]))
 
+    def energy(self, e: Array) -> Array:
+        """Return W (n,) [MPa] at logarithmic strains ``e`` (n, 3)."""
+        E, found = e.sum(axis=1), np.zeros(len(e))
+        for mu, alpha, beta in zip(self.mu, self.alpha, self.beta, strict=True):
+            volume = np.expm1(-alpha * beta * E) / beta if beta else -alpha * E
+            found += 2.0 * mu / alpha**2 * (np.expm1(alpha * e).sum(axis=1) + volume)
+        return found
+
     def first(self, e: Array) -> Array:
         """Return dW/de (n, 3) at logarithmic strains ``e`` (n, 3)."""
         return np.asarray(sum(mu * part for mu, part in zip(self.mu, self._parts(e), strict=True)))
@@ -151,6 +168,41 @@ class Hyperfoam:
             turns.append(mu * (2.0 * (e * np.exp(alpha * e) + beta * E * volume) - part) / alpha)
             ratios.append(2.0 * mu * E * volume * (1.0 + 2.0 * beta) ** 2 * np.ones((1, 3)))
         return np.stack([*columns, *turns, *ratios], axis=2)
+
+
+class Terms(Law):
+    """The law of n terms by the names of its constants; what is free of it asks for all of them together."""
+
+    title = "compressible foam"
+    source = "doi:10.1016/0022-5096(86)90033-5"
+    equation = "W = sum_i 2 mu_i/alpha_i^2 [l1^a + l2^a + l3^a - 3 + (J^(-a beta_i) - 1)/beta_i]"
+    compressible = True
+
+    def __init__(self, n: int) -> None:
+        self.name = f"hyperfoam-{n}"
+        self.linear = tuple(f"mu{i + 1}_MPa" for i in range(n))
+        self.nonlinear = tuple(f"{name}{i + 1}" for name in ("alpha", "nu") for i in range(n))
+        self.bounds = {
+            f"{name}{i + 1}": ends
+            for name, ends in (("alpha", (-_ALPHA, _ALPHA)), ("nu", _NU))
+            for i in range(n)
+        }
+
+    def refusal(self, parameters: Mapping[str, float]) -> str | None:
+        """Say what has no meaning in ``Hyperfoam.of``."""
+        try:
+            Hyperfoam.of(parameters)
+        except ValueError as error:
+            return str(error)
+        return None
+
+    def nearest(self, own: Mapping[str, float], tests: Sequence[TestCurve]) -> dict[str, float]:
+        """Return the constants whose stresses are of least squares in ``tests``, all else as ``own``."""
+        return identify(tests, len(self.linear), Hyperfoam.of(own)).parameters
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:
+        """Raise TypeError: the sides of a foam are free by all its terms, not by each."""
+        raise TypeError(f"{self.name} is no sum of terms of a sheet")
 
 
 @dataclass(frozen=True)

@@ -94,6 +94,10 @@ class Law(ABC):
     held: Mapping[str, float] = MappingProxyType({})
     #: Whether the terms are alike and differ by one nonlinear constant each, as in Ogden's law.
     exchangeable: bool = False
+    #: Whether its own constants tell how the volume changes.
+    compressible: bool = False
+    #: Between which values a constant has a meaning, where a refit must not leave them.
+    bounds: Mapping[str, tuple[float, float]] = MappingProxyType({})
     #: Whether all directions of the sheet are alike; else the constants are those of its first axis.
     isotropic: bool = True
 

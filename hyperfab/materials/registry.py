@@ -10,7 +10,7 @@ from functools import cache
 
 from hyperfab.errors import InputError, UsageError, near
 from hyperfab.materials import laws as _folder
-from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam, Terms
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
 
@@ -66,10 +66,10 @@ def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) 
     return material
 
 
-def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False) -> Law:
+def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False, foam: bool = False) -> Law:
     """Return the law called ``name`` whose constants these are; for those who fit them again, whatever their stiffness.
 
-    Raises InputError as ``bind`` does, save for the stiffness at rest.
+    Raises InputError as ``bind`` does, save for the stiffness at rest; for the law of a ``foam`` where that is taken.
 
     >>> law_of("yeoh-2", {"C10_MPa": -0.1, "C20_MPa": 0.3}).names
     ('C10_MPa', 'C20_MPa')
@@ -80,20 +80,20 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
             key="model",
             remedy="fit warp and weft with a law as yeoh-3",
         )
-    if name in ORDERS:
+    if name in ORDERS and not foam:
         raise InputError(
             f"{name} is the law of a foam, a fabric's is needed here",
             key="model",
             remedy="hf press-contact takes it as foam; fit the fabric's own tests",
         )
-    if name not in laws():
+    if name not in laws() and name not in ORDERS:
         hint = near(name, laws())
         raise InputError(
             f"there is no law {name!r}",
             key="model",
             remedy=f"{hint} the laws are {', '.join(laws())}".strip(),
         )
-    found = law(name)
+    found = Terms(ORDERS[name]) if name in ORDERS else law(name)
     if not found.isotropic and not anisotropic:
         raise InputError(
             f"{name} is a law with directions, an isotropic one is needed here",
@@ -121,6 +121,8 @@ def stiffness_at_rest(found: Law, parameters: Mapping[str, float]) -> float:
     >>> round(stiffness_at_rest(law("yeoh-1"), {"C10_MPa": -0.1}), 2)
     -0.6
     """
+    if isinstance(found, Terms):
+        return Hyperfoam.of(parameters).youngs_modulus
     c, theta = found.split(parameters)
     # A hair beyond rest, where fibres that bear tension only have begun to.
     return float(Material(found, tuple(c), tuple(theta)).uniaxial(1.0 + 1e-4).A)

@@ -271,7 +271,7 @@ def test_a_test_that_no_sheet_law_has_a_say_in_is_told(hf: Run, tmp_path: Path) 
     (tmp_path / "pull.csv").write_text(f"# test: uniaxial\nstretch,stress [MPa]\n{pull}")
     (tmp_path / "shear.csv").write_text(f"shear strain,shear stress [MPa]\n{shear}")
     done = hf("close-loop", "m.json", "pull.csv", "shear.csv", cwd=tmp_path)
-    assert "shear.csv is left out: the sheet's law has no say in a simple shear test" in done.stderr.decode()
+    assert "shear.csv is left out: the model's law has no say in a simple shear test" in done.stderr.decode()
     assert sum(json.loads(done.stdout)["left_out"].values()) == 21
 
 

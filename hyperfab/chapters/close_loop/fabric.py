@@ -31,7 +31,8 @@ from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
-from hyperfab.materials.effects.path import MODE_NAMES
+from hyperfab.materials.effects.path import MODE_NAMES, OF_A_SHEET
+from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.registry import law_of, stiffness_at_rest
 
 #: Work of a usual run, in refits, for the progress line.
@@ -47,12 +48,12 @@ def run(job: Job, given: Given) -> int:
     before = given_as(given.data, given.name, document.provenance)
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
     thickness = None if document.thickness_nominal else document.thickness_mm
-    tests = read_measured(job, given.measured, given.layout, thickness, before, given.how)
-    held_out = (
-        read_measured(job, given.case.held, given.layout, thickness, before, given.how)
-        if given.case.held
-        else None
+    carries = MODE_NAMES if document.model in ORDERS else OF_A_SHEET
+    tests, held_out = (
+        read_measured(job, files, given.layout, thickness, before, given.how, carries) if files else None
+        for files in (given.measured, given.case.held)
     )
+    assert tests is not None
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
@@ -110,7 +111,7 @@ def pose(
     # Beside a term that constants of two directions tell only nearly, those of the law without it.
     item = next((item for item in document.effects or [] if item.get("ground")), {})
     ground = item.get("ground")
-    law = law_of(str(item.get("law", document.model)), ground or warp)
+    law = law_of(str(item.get("law", document.model)), ground or warp, foam=True)
     constants = [float((ground or warp)[key]) for key in law.names]
     weft = None
     if warp_document is not None and weft_document is not None and ground is None:
@@ -193,7 +194,7 @@ def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> Non
     ways = {f" along the {way}": one.parameters for way, one in (model.directions or {}).items()}
     ways = ways or {"": model.parameters}
     for way, parameters in ways.items():
-        law = law_of(model.model, parameters)
+        law = law_of(model.model, parameters, foam=True)
         modulus = stiffness_at_rest(law, parameters)
         if not 0.0 < modulus < np.inf:
             text = (

@@ -23,7 +23,7 @@ from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.materials.effects.path import MODE_NAMES, moving
+from hyperfab.materials.effects.path import OF_A_SHEET, moving
 from hyperfab.numerics.hygiene import look
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
@@ -55,9 +55,11 @@ def read_measured(
     thickness: float | None,
     given: Mapping[str, str] | None = None,
     how: How | None = None,
+    carries: Sequence[str] = OF_A_SHEET,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
 
+    ``carries`` are the kinds of tests that the model has a say in.
     A file is the test that it was ``given`` as for the model's fit, where ``how`` does not say it. How each was read is
     said, and kept in ``preparation``.
     """
@@ -95,12 +97,12 @@ def read_measured(
             f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on"
         )
     for test in every:
-        if test.mode not in MODE_NAMES:
+        if test.mode not in carries:
             kind = test.mode.replace("-", " ")
-            found.left_out[f"{test.source}: {kind} test, the sheet's law has no say in it"] += len(
+            found.left_out[f"{test.source}: {kind} test, the model's law has no say in it"] += len(
                 test.stretch
             )
-            found.warnings.append(f"{test.source} is left out: the sheet's law has no say in a {kind} test")
+            found.warnings.append(f"{test.source} is left out: the model's law has no say in a {kind} test")
             continue
         factor = 1.0 / thickness if test.membrane and thickness else 1.0
         found.tests += _curves(test, factor, how.steps, found)
@@ -152,7 +154,7 @@ def given_as(data: Mapping[str, Any], name: str, fitted: Provenance | None) -> d
     values, hashes = asked(FitCase, data, name, fitted)
     known = {one.name: one.sha256 for one in fitted.inputs}
     found = {}
-    for kind in ("uniaxial", "shear", "biaxial"):
+    for kind in OF_A_SHEET:
         names = values.get(kind, ())
         for file, hashed in zip(names, hashes.get(kind) or [None] * len(names), strict=False):
             found[hashed or known.get(file, "")] = kind

@@ -14,6 +14,7 @@ from hyperfab.documents.material import AtTemperature, MaterialDocument
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import Path, uniaxial_pull
 from hyperfab.materials.effects.thermal_softening import LAWS
+from hyperfab.materials.hyperfoam import Terms as Foam
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
@@ -67,7 +68,7 @@ def soften(
     ``values`` are those of the effect ``thermal-softening`` in its ``form``; the constants at hand hold at
     ``reference_degC``.
     """
-    law = law_of(result.model, result.parameters, anisotropic=True)
+    law = law_of(result.model, result.parameters, anisotropic=True, foam=True)
     near = np.unique(np.round(2.0 * np.fromiter(met, dtype=np.float64)) / 2.0)
     degrees = sorted({float(reference_degC), *(float(v) for v in near)})
     place: Any
@@ -103,5 +104,7 @@ def nearest(
     constants = np.array([own[name] for name in law.names])
     stress = Fabric(law, pull, 0.0).stress(constants, None, terms)
     weight = np.full_like(stress, 1.0 / float(np.max(np.abs(stress))))
+    if isinstance(law, Foam):
+        return law.nearest(own, [TestCurve("uniaxial", pull.stretch, stress, weight)])
     near = fit_law(LawProblem(law, Rows.of([TestCurve("uniaxial", pull.stretch, stress, weight)])))
     return dict(own) if near is None else {name: near.material.parameters[name] for name in law.names}

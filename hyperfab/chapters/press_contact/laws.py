@@ -151,6 +151,9 @@ def _fitted_law(job: Job, path: str, temperature: float) -> Tempered:
     """
     document = read_document(job.inputs, path, MaterialDocument)
     foams = FabricDocument(document, path).foams()
+    beside = [str(one.get("id", "?")) for one in document.effects or [] if not one.get("told_by")]
+    if beside:
+        job.console.warn(f"{path}: its elastic law alone is taken, without the effects {', '.join(beside)}")
     _note_tests(job, path, document, temperature)
     rows = tuple(temperature if known is None else known for known, _ in foams)
     return Tempered(rows, tuple(_held(path, law) for _, law in foams))

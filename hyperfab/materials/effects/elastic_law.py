@@ -151,6 +151,16 @@ def _of_other_modes(sheet: Sheet) -> list[Term]:
     return [of_I2(sheet.y, 1.0 + 0.0 * sheet.y, 0.0 * sheet.y), PowerTerm(1.0)]
 
 
+def _of_a_sheet(sheet: Sheet, *shape: float) -> list[Term]:
+    raise TypeError("the terms of a foam are no terms of a sheet")
+
+
+def _foam_terms(first: int, last: int) -> Added:
+    """Return more terms of a hyperfoam, from the ``first`` to the ``last`` it then has."""
+    names = (name for k in range(first, last + 1) for name in (f"mu{k}_MPa", f"alpha{k}", f"nu{k}"))
+    return Added(tuple(names), _of_a_sheet, {f"hyperfoam-{first - 1}": f"hyperfoam-{last}"})
+
+
 _POWERS = Added(
     ("C20_MPa", "C30_MPa"),
     lambda sheet: [_power(sheet, 2.0), _power(sheet, 3.0)],
@@ -183,6 +193,9 @@ FORMS: Mapping[str, Added] = {
     "straightening-log": _TOE.and_log(),
     "ogden-log": _OGDEN.and_log(),
     "exponential-log": _FUNG.and_log(),
+    "term-2": _foam_terms(2, 2),
+    "term-3": _foam_terms(3, 3),
+    "terms-2-3": _foam_terms(2, 3),
 }
 
 

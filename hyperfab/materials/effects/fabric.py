@@ -22,9 +22,11 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
-from hyperfab.materials.effects.path import GENERAL, Path, second_stretch
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, second_stretch
 from hyperfab.materials.effects.state import State
 from hyperfab.materials.effects.threads import Threads
+from hyperfab.materials.hyperfoam import Hyperfoam, Rows
+from hyperfab.materials.hyperfoam import Terms as Foam
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import InvariantTerm, Term
@@ -67,8 +69,9 @@ class Fabric:
     """Predicts the stress of every row of ``path`` for a law, its constants and effects.
 
     ``reference_degC`` is the temperature the constants are of; ``speed`` the strain rate of a row [1/s],
-    nan where unknown. Of rows that ``hang`` the stress is never below zero: a sheet on its way back goes slack where it
-    would have to push.
+    nan where unknown. What rides on history, on time and on the mounting takes a pressed specimen for one pulled as far
+    (``Path.outward``). Of rows that ``hang`` the stress is never below zero: a sheet on its way back goes slack where
+    it would have to push.
     """
 
     law: Law
@@ -87,19 +90,27 @@ class Fabric:
         ``warp`` and ``weft`` are the law's constants in its order; without ``weft`` both directions are
         alike. An effect that is not among ``terms`` leaves no trace: the result is bit for bit that of the law.
         """
-        path = self.path
+        path, turned = self.path.outward, np.where(self.path.pressed, -1.0, 1.0)
         terms = _present(terms)
         stretch, side, _, place = self._stretches(terms, warp, weft)
+        itself = self.path.mirrored
         with np.errstate(all="ignore"):
-            stress, energy = self._elastic(warp, weft, terms, (stretch, side), place)
+            stress, energy = self._elastic(warp, weft, terms, (itself(stretch), side), place)
+            stress = turned * stress
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
                 peak = self._peak(path, stretch)
-                second, _ = self._elastic(warp, weft, terms, (stretch / peak, side), (*place, "second"))
-                stress = permanent_set.second_network(stress, second, peak, *terms["permanent-set"][1])
+                second, _ = self._elastic(
+                    warp, weft, terms, (itself(stretch / peak), side), (*place, "second")
+                )
+                stress = permanent_set.second_network(
+                    stress, turned * second, peak, *terms["permanent-set"][1]
+                )
             state = State(path, stretch, energy, self.reference_degC, self.speed)
             for name, forms in _ON_STRESS.items():
-                if name in _OF_THE_MACHINE and self.hang is not None:
-                    stress = np.where(self.hang, np.maximum(stress, 0.0), stress)
+                if name in _OF_THE_MACHINE:
+                    stress = turned * stress
+                    if self.hang is not None:
+                        stress = np.where(self.hang, np.maximum(stress, 0.0), stress)
                 if name in terms:
                     form, values = terms[name]
                     stress = forms[form](state, stress, values)
@@ -112,12 +123,18 @@ class Fabric:
         """
         terms = _present(terms)
         stretch, side, rest, place = self._stretches(terms, warp, weft)
+        stretch = self.path.mirrored(stretch)
 
         def contracted(stretch: Array) -> Array:
-            if "compressibility" not in terms:
+            if "compressibility" in terms:
+                form, values = terms["compressibility"]
+                return compressibility.FORMS[form].across(self.path, stretch, values)
+            if warp is None or not self.law.compressible:
                 return np.asarray(stretch**-0.5)
-            form, values = terms["compressibility"]
-            return compressibility.FORMS[form].across(self.path, stretch, values)
+            if isinstance(self.law, Foam):
+                return self._of_foam(warp, terms, (stretch, side))[2]
+            _, theta = self.law.split(dict(zip(self.law.names, map(float, warp), strict=True)))
+            return np.asarray(stretch ** -self.law.contraction(theta))
 
         if _is_of_threads(terms):
             assert warp is not None
@@ -127,7 +144,7 @@ class Fabric:
             found = contracted(stretch)
         kept, values = terms.get("permanent-set", ("", np.empty(0)))
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
-        return found if power == 0.0 else found * contracted(1.0 + rest) ** power
+        return found if power == 0.0 else found * contracted(self.path.mirrored(1.0 + rest)) ** power
 
     def _stretches(
         self, terms: Terms, warp: Array | None, weft: Array | None
@@ -142,7 +159,7 @@ class Fabric:
             place += tuple((name, terms[name][0], *terms[name][1]) for name in _BORNE if name in terms)
             place += tuple(None if one is None else tuple(one) for one in (warp, weft))
         if self._last[0] != place:
-            path = self.path
+            path = self.path.outward
             stretch, side = path.stretch, path.across
             if slack[0] in grip_slack.OF_LOAD:
                 stretch = self._yielded(terms, warp, weft)
@@ -162,19 +179,19 @@ class Fabric:
         form, values = terms["grip-slack"]
         steps = self._in_steps
         bears = {name: term for name, term in terms.items() if name in _BORNE}
-        load = np.maximum(np.nan_to_num(steps.stress(warp, weft, bears)), 0.0)
+        turned = np.where(steps.path.pressed, -1.0, 1.0)
+        load = np.maximum(np.nan_to_num(turned * steps.stress(warp, weft, bears)), 0.0)
         gives, stays = grip_slack.OF_LOAD[form](load, values), form in grip_slack.STAYS
-        found = np.empty_like(self.path.stretch)
-        for rows, of in zip(self.path.curves, steps.path.curves, strict=True):
-            found[rows] = grip_slack.yielded(
-                self.path.stretch[rows], steps.path.stretch[of], gives[of], stays
-            )
+        path, way = self.path.outward, steps.path.outward
+        found = np.empty_like(path.stretch)
+        for rows, of in zip(path.curves, way.curves, strict=True):
+            found[rows] = grip_slack.yielded(path.stretch[rows], way.stretch[of], gives[of], stays)
         return found
 
     @cached_property
     def _in_steps(self) -> Fabric:
         """What reads each test on a way of even steps out, as far as it went and a little beyond."""
-        path, count = self.path, _STEPS
+        path, count = self.path.outward, _STEPS
         first = np.repeat([rows.start for rows in path.curves], count)
         tops = np.array([rows.start + int(np.argmax(path.stretch[rows])) for rows in path.curves])
         reach = 1.1 * np.maximum(path.stretch[tops] - 1.0, 1e-6)
@@ -183,6 +200,7 @@ class Fabric:
         far = np.repeat(tops, count)
         ratio = (path.across[far] - 1.0) / np.maximum(path.stretch[far] - 1.0, 1e-9)
         unknown = np.full(len(stretch), np.nan)
+        stretch = np.where(self.path.pressed[first], 1.0 / stretch, stretch)
         way = Path(
             starts=tuple(range(0, len(stretch) + 1, count)),
             mode=path.mode[first],
@@ -257,6 +275,8 @@ class Fabric:
         place: tuple[object, ...],
         needs_energy: bool,
     ) -> tuple[Array, Array]:
+        if isinstance(self.law, Foam):
+            return self._of_foam(constants, terms, stretches)[:2]
         given = dict(zip(self.law.names, map(float, constants), strict=True))
         if self.law.nonlinear and self.law.refusal(given) is not None:
             nowhere = np.full_like(stretches[0], np.nan)
@@ -274,6 +294,27 @@ class Fabric:
         weights = np.array([*c, *linear])
         stress = columns @ weights
         return stress, energies @ weights if energies is not None else np.zeros_like(stress)
+
+    def _of_foam(
+        self, constants: Array, terms: Terms, stretches: tuple[Array, Array]
+    ) -> tuple[Array, Array, Array]:
+        """Return stress, energy and stretch across of a foam: its free sides ask for all constants together."""
+        form, values = terms.get("elastic-law", ("", np.empty(0)))
+        names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
+        given = dict(zip(names, map(float, (*constants, *values)), strict=True))
+        found = np.full((3, len(stretches[0])), np.nan)
+        if self.law.refusal(given) is None:
+            law = Hyperfoam.of(given)
+            for mode in np.unique(self.path.mode):
+                at = self.path.mode == mode
+                stretch, side = (one[at] for one in stretches)
+                rows = Rows.of(
+                    MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side
+                )
+                with np.errstate(all="ignore"):
+                    e = rows.strain(law)
+                    found[:, at] = rows.stress(law, e), law.energy(e), np.exp(e[:, 2])
+        return found[0], found[1], found[2]
 
     def _basis(
         self,

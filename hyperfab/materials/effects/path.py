@@ -12,8 +12,10 @@ from hyperfab.materials.kinematics import Array
 from hyperfab.numerics.hygiene import sides
 
 #: Codes of the deformation modes in ``Path.mode``.
-UNIAXIAL, SHEAR, BIAXIAL, GENERAL = range(4)
-MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general")
+UNIAXIAL, SHEAR, BIAXIAL, GENERAL, CONFINED, SIMPLE_SHEAR = range(6)
+#: Their names; those of a sheet first, then those that the law of a foam alone carries.
+MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general", "confined-compression", "simple-shear")
+OF_A_SHEET = MODE_NAMES[: GENERAL + 1]
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
 _TURN = 0.02
@@ -25,7 +27,8 @@ _HOLD = 8
 class Path:
     """Rows of all curves, curve after curve; ``starts`` holds the first row of each and the number of rows.
 
-    ``stretch`` along the pull, ``across`` the measured second stretch of general biaxial tests (nan
+    ``stretch`` along the pull, in simple shear the larger one in the plane (below 1 where it shears the other way),
+    ``across`` the measured second stretch of general biaxial tests (nan
     elsewhere), ``time_s``,
     ``temperature_degC`` and ``angle_deg`` from the warp (nan where unknown), ``branch`` (+1, -1, 0 where not stated).
     """
@@ -58,6 +61,26 @@ class Path:
             stretch=np.where(general, self.across, self.stretch),
             across=np.where(general, self.stretch, self.across),
         )
+
+    @cached_property
+    def pressed(self) -> NDArray[np.bool_]:
+        """Rows of tests that go farther to shorter than to longer stretches."""
+        found = np.zeros(len(self.stretch), dtype=bool)
+        for rows in self.curves:
+            moved = self.moved(rows)
+            found[rows] = moved.min() * moved.max() < 1.0 - 1e-9 and self.mode[rows.start] != GENERAL
+        return found
+
+    def mirrored(self, stretch: Array) -> Array:
+        """Return one over a stretch (n,) of pressed specimens, that of pulled ones as it is."""
+        return np.asarray(np.where(self.pressed, 1.0 / np.where(self.pressed, stretch, 1.0), stretch))
+
+    @cached_property
+    def outward(self) -> Path:
+        """The same way with pressed specimens pulled as far, by the logarithm of their stretch."""
+        if not np.any(self.pressed):
+            return self
+        return replace(self, stretch=self.mirrored(self.stretch), branch=self.up)
 
     @cached_property
     def up(self) -> NDArray[np.int64]:

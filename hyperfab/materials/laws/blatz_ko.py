@@ -64,6 +64,7 @@ class BlatzKo(Law):
     linear = ("mu f", "mu (1-f)")
     nonlinear = ("nu",)
     held: Mapping[str, float] = {"mu f": 0.0, "nu": 0.25}
+    compressible = True
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -32,8 +32,8 @@ class DataContext:
 
     @property
     def reach(self) -> float:
-        """Largest strain in the data."""
-        return max(float(np.max(self.path.stretch)) - 1.0, 1e-3)
+        """Largest strain in the data, of what was pressed that of a pull as far."""
+        return max(float(np.max(self.path.outward.stretch)) - 1.0, 1e-3)
 
     @property
     def energy(self) -> float:

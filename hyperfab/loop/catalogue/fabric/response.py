@@ -11,6 +11,8 @@ from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
 from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
+from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.hyperfoam import Terms as Foam
 
 _ALL = {"C20_MPa", "C30_MPa"}
 
@@ -26,6 +28,8 @@ def anisotropy(context: DataContext) -> Effect:
     reason = ""
     if context.directions:
         reason = HAS_IT
+    elif isinstance(context.law, Foam):
+        reason = "the law of a foam is one of all its directions"
     elif len(context.angles) < 2:
         reason = "the tests state one direction at most"
     law = context.law
@@ -127,7 +131,7 @@ def compressibility(context: DataContext) -> Effect:
     """A sheet that changes its volume: the contraction exponent; one a direction where contraction was measured along
     both."""
     reason = ""
-    if context.law.name.startswith("blatz-ko"):
+    if context.law.compressible:
         reason = HAS_IT
     elif not context.transverse and len(np.unique(context.path.mode)) < 2:
         reason = "the tests are of one mode and state no transverse stretch"
@@ -168,6 +172,8 @@ def compressibility(context: DataContext) -> Effect:
 def elastic_law(context: DataContext) -> Effect:
     """A base law that is too poor, with terms of a richer energy on top of it: higher powers of I1 - 3, ln(I2/3), an
     Ogden term, an exponential."""
+    if isinstance(context.law, Foam):
+        return _more_of_a_foam(context, ORDERS[context.law.name])
     size = context.peak_stress
     far = (1.0 + context.reach) ** 2 + 2.0 / (1.0 + context.reach) - 3.0
     # How large a modulus is by the power of I1 - 3 it stands before.
@@ -232,6 +238,36 @@ def elastic_law(context: DataContext) -> Effect:
         shown_by="one more mode (planar shear or biaxial), and a pull farther than the product is stretched",
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
         forms=(*forms, *smooths),
+    )
+
+
+def _more_of_a_foam(context: DataContext, n: int) -> Effect:
+    """The law of a foam with a term more, or two: what it then is stands in the document."""
+    size, most = 0.1 * context.peak_stress, max(ORDERS.values())
+
+    def term(k: int) -> tuple[Constant, ...]:
+        ends = Foam(k).bounds
+        return (
+            Constant(f"mu{k}_MPa", 0.0, scale=size),
+            Constant(f"alpha{k}", 4.0, *ends[f"alpha{k}"], 2.0),
+            Constant(f"nu{k}", 0.2, *ends[f"nu{k}"], 0.1),
+        )
+
+    starts = tuple((size, alpha, nu) for alpha in (-6.0, -1.0, 6.0, 15.0) for nu in (0.02, 0.35))
+    probes = tuple((0.1 * size, alpha, 0.2) for alpha in (-4.0, 3.0, 12.0))
+    forms = [Form(f"term-{n + 1}", term(n + 1), starts, probes)] if n < most else []
+    if n + 2 <= most:
+        two = tuple((*one, *other) for one, other in zip(starts, starts[3:], strict=False))
+        forms.append(
+            Form(f"terms-{n + 1}-{n + 2}", (*term(n + 1), *term(n + 2)), two, refines=f"term-{n + 1}")
+        )
+    return Effect(
+        id="elastic-law",
+        title="the strain-energy law is too poor",
+        not_sought="" if forms else f"{most} terms are the most that a foam's law has",
+        shown_by="compression, tension and simple shear, and the stretch across a tension test",
+        source="Storakers (1986), doi:10.1016/0022-5096(86)90033-5",
+        forms=tuple(forms),
     )
 
 
