@@ -59,38 +59,43 @@ def outweighs_something_else(base: Candidate, state: Candidate) -> bool:
     return bool(left <= (1.0 - MOST) * before)
 
 
-def surprise(state: Candidate) -> float:
+def surprise(state: Candidate, least: Array | float = 0.0) -> float:
     """Return minus the logarithm of what the data and what is known beforehand say for a model with some names.
 
     What is left counts by Student's distribution, each kind of reading (stresses, contraction) apart, whatever number
-    of constants the law has; each name after the first counts for odds of fifty to one, and so does each law of free
-    shape but that of the plain law, which is never quite the fabric's.
+    of constants the law has, but for the ``least`` that passes for noise; each name after the first counts for odds of
+    fifty to one, and so does each law of free shape but that of the plain law, which is never quite the fabric's.
     """
     free = sum(form.free for name, form in state.fit.forms.items() if name != state.problem.plain)
-    return _student(structured_of_each(state.fit, state.problem, state.noise)) + 0.5 * MARGIN * (
-        len(state.ids) - 1 + free
-    )
+    return _student(_left(state, least)) + 0.5 * MARGIN * (len(state.ids) - 1 + free)
 
 
 def belief(base: Candidate, models: Iterable[Candidate], entries: int, *, is_noise: bool = False) -> Belief:
     """Return how sure each entry is, given all ``models`` that were fitted.
 
-    Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike. ``is_noise``: what
-    the model without names leaves passes for noise, in every test of that.
+    Beforehand nothing is as likely as any of the ``entries`` or something else, and these are alike. How large the
+    noise is nobody knows so well: as much as the likeliest model leaves counts as none in all of them if it passes for
+    noise; where the verdict ``is_noise``, as the model without names does.
     """
-    before = structured_of_each(base.fit, base.problem, base.noise)
-    if is_noise:  # what is above a noise that is known so badly is no misfit
-        before = np.zeros_like(before)
-    least: dict[frozenset[str], float] = {}
-    for model in models:
-        if model.ids and np.isfinite(model.fit.chi2):
-            ids = frozenset(model.ids)
-            least[ids] = min(surprise(model), least.get(ids, np.inf))
-    weights = {ids: float(np.exp(-one)) for ids, one in least.items()}
+    named = [model for model in models if model.ids and np.isfinite(model.fit.chi2)]
+    likeliest = base if is_noise else min(named, key=surprise, default=base)
+    least = _left(likeliest) if is_noise or likeliest.judgement.is_noise else 0.0
+    before = _left(base, least)
+    surprises: dict[frozenset[str], float] = {}
+    for model in named:
+        ids = frozenset(model.ids)
+        surprises[ids] = min(surprise(model, least), surprises.get(ids, np.inf))
+    weights = {ids: float(np.exp(-one)) for ids, one in surprises.items()}
     nothing = (entries + 1.0) * float(np.exp(-_student(before)))
     other = float(np.exp(-_student((1.0 - MOST) * before)))
     total = sum(weights.values()) + nothing + other
     return Belief({ids: one / total for ids, one in weights.items()}, nothing / total, other / total)
+
+
+def _left(state: Candidate, least: Array | float = 0.0) -> Array:
+    """Return what a model leaves of each kind of reading, in standard deviations of the noise, beyond ``least``."""
+    left = structured_of_each(state.fit, state.problem, state.noise)
+    return np.sqrt(np.maximum(left**2 - np.square(least), 0.0))
 
 
 def _student(left: Array) -> float:

@@ -59,8 +59,10 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     """Return minus twice the logarithm of a model's likelihood for the likeliest scatter of specimens, and that.
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
-    Beside it, where no two were tested alike, a few that follow a term by chance must not pass for ones that do not
-    scatter: what is usual counts as one specimen more (a scaled inverse chi-squared distribution of the variance).
+    Beside it a few that follow a term by chance, or agree by chance, must not pass for ones that do not scatter: what
+    is usual counts as two specimens more (a scaled inverse chi-squared distribution of the variance), and those that
+    mean and terms are told from count no more (restricted likelihood: Patterson & Thompson 1971,
+    doi:10.1093/biomet/58.3.545). Where no two were tested alike all of them count, and what is usual as one.
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
@@ -77,9 +79,13 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     # Of each kind of reading: what lacks in the contraction makes no stress less sure.
     count = np.unique(search.problem.channel, return_counts=True)[1]
     surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
-    if best is not None and _none_alike(search):
+    if best is not None:
+        usual = 1.0
+        if not _none_alike(search):
+            usual = 2.0
+            surprise -= entropy * min((1.0 + len(best.ids)) / len(search.noise.groups), 1.0)
         variance = np.array(scatters) ** 2
-        surprise += np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance
+        surprise += usual * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 

@@ -85,9 +85,9 @@ def close(
     scores = {effect.id: score for effect, score in search.ranking(before)}
     worth = search.worth(before)
 
-    def sure_of() -> Belief:
+    def sure_of(is_noise: bool = False) -> Belief:
         entries = sum(not effect.not_sought for effect in problem.effects)
-        return belief(before, search.states, entries, is_noise=before.judgement.is_noise)
+        return belief(before, search.states, entries, is_noise=is_noise)
 
     def finding(
         verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
@@ -100,7 +100,7 @@ def close(
             hint = suggestion(left[first], level.sd[first], states)
         return Finding(
             verdict, level, before, after, added, tried, scores, worth,
-            rides_on=dependence(after.fit.residual[first], states), suggestion=hint, belief=sure_of(),
+            rides_on=dependence((left / level.sd)[first], states), suggestion=hint, belief=sure_of(verdict == "noise"),
         )  # fmt: skip
 
     if before.judgement.is_noise or _no_more_than_noise(before):

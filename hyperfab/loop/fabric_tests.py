@@ -119,10 +119,17 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> NDArray[np.bo
 
 
 def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
-    """Return what each test shares with its replicates: the whole way it was led, in both stretches."""
+    """Return what each test shares with its replicates: its state, and the whole way it was led, in both stretches.
+
+    A state that no law knows, as the humidity, keeps specimens apart where it is stated alike for several; what each
+    has of its own, as its mass, does not.
+    """
+    stated = {name: [test.others.get(name) for test in tests] for name in _others(tests)}
+    shared = [name for name, values in stated.items() if 2 * len({*values}) <= len(tests)]
     found: list[tuple[str, float, Array, str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
-        how, pace, way = *_how(test, path.moved(rows)), _way(path, rows)
+        how, pace = _how(test, path.moved(rows))
+        how, way = " ".join([how, *(f"{test.others.get(name)}" for name in shared)]), _way(path, rows)
         same = (
             name
             for other_how, other_pace, other_way, name in found
@@ -179,7 +186,6 @@ def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str,
         else:
             up = path.up[rows]
             cycle[rows] = 1.0 + np.concatenate([[0], np.cumsum((up[1:] > 0) & (up[:-1] < 0))])
-    others = dict.fromkeys(name for test in tests for name in test.others)
     count = [len(test.stretch) for test in tests]
     return {
         "stretch": path.stretch,
@@ -190,8 +196,16 @@ def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str,
         "temperature_degC": path.temperature_degC,
         "direction_deg": path.angle_deg,
         "mode": path.mode.astype(np.float64),
-        **{name: np.repeat([test.others.get(name, np.nan) for test in tests], count) for name in others},
+        **{
+            name: np.repeat([test.others.get(name, np.nan) for test in tests], count)
+            for name in _others(tests)
+        },
     }
+
+
+def _others(tests: Sequence[TestCurve]) -> list[str]:
+    """Return the names of the states that tests tell and no law knows."""
+    return [*dict.fromkeys(name for test in tests for name in test.others)]
 
 
 def smooth_of(path: Path, rows: int) -> Array:

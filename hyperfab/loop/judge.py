@@ -53,7 +53,9 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
         chi2_reduced=ratio,
         structured=structured(fit, problem, noise),
         p_lack_of_fit=min(
-            _by_chance(ratio, free, noise.dof), _worst_by_chance(fit, noise.dof, problem.curves)
+            _by_chance(ratio, free, noise.dof),
+            _worst_by_chance(fit, noise.dof, problem.curves),
+            _stiffness_by_chance(fit, noise),
         ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
         p_greatest_score=greatest_by_chance(found, noise.dof),
@@ -77,12 +79,16 @@ def structured_of_each(fit: Fit, problem: Problem, noise: Noise) -> Array:
 def _beyond_of_stiffness(fit: Fit, noise: Noise) -> list[float]:
     """Return by how much more specimens are off in stiffness than they scatter, as mean square, less what chance does.
 
-    That is one value of a specimen, which its many readings would hide.
+    That is one value of each way of testing, which their many readings would hide.
     """
-    if not noise.gain_sd:
-        return []
-    off = noise.at(fit.predicted).stiffness(fit.residual, SMALL)
-    return [float(np.mean(off**2)) - 1.0 - 2.0 * float(np.sqrt(2.0 / len(off)))]
+    off = _off_in_stiffness(fit, noise)
+    beyond = float(off @ off) - len(off) - 2.0 * float(np.sqrt(2.0 * len(off)))
+    return [beyond / len(noise.groups)] if len(off) else []
+
+
+def _off_in_stiffness(fit: Fit, noise: Noise) -> Array:
+    """Return how far those tested alike are off in stiffness, in standard deviations; none where no two scatter."""
+    return noise.at(fit.predicted).stiffness(fit.residual, SMALL) if noise.gain_sd else np.empty(0)
 
 
 def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:
@@ -115,6 +121,12 @@ def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
         if not curve.beforehand and curve.stop - curve.start >= FEWEST
     ]
     return min(1.0, len(each) * min(each)) if each else 1.0
+
+
+def _stiffness_by_chance(fit: Fit, noise: Noise) -> float:
+    """Return the probability of specimens as far off in stiffness; 1 where no two scatter."""
+    off = _off_in_stiffness(fit, noise)
+    return float(chdtrc(len(off), off @ off)) if len(off) else 1.0
 
 
 def _degrees(fit: Fit) -> float:

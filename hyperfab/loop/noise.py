@@ -34,7 +34,8 @@ class Noise:
 
     ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``correlation`` that between
     neighbouring rows of a curve. ``whiten`` takes both out, so that noise becomes unit and uncorrelated.
-    ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens.
+    ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
+    rows of each specimen, ``alike`` the specimens of each way of testing.
     """
 
     sd: Array
@@ -45,6 +46,7 @@ class Noise:
     correlation: float = 0.0
     starts: tuple[int, ...] = ()
     groups: tuple[NDArray[np.int64], ...] = ()
+    alike: tuple[tuple[int, ...], ...] = ()
     pattern: Array = field(default_factory=lambda: np.empty(0))
     measured: Array = field(default_factory=lambda: np.empty(0))
 
@@ -101,17 +103,22 @@ class Noise:
         return scaled
 
     def stiffness(self, whitened: Array, miss: float) -> Array:
-        """Return what of whitened values (rows) is as another stiffness would be, of each specimen.
+        """Return what of whitened values (rows) is as another stiffness would be, of each way of testing.
 
-        In its standard deviation: that of the readings, of all that specimens may scatter by, and of a smooth ``miss``
-        (in standard deviations of a reading) of any model.
+        The sum over those tested alike, in its standard deviation: that of the readings, of all that specimens may
+        scatter by, and of a smooth ``miss`` (in standard deviations of a reading) of any model.
         """
         widest = replace(self, gain_sd=max(self.gain_sd, self.gain_doubt))
-        off = []
-        for (rows, shape, shrink), (_, _, most) in zip(self._shapes(), widest._shapes(), strict=True):
-            variance = 1.0 / (1.0 - most) ** 2 + miss**2 * len(rows)
-            off.append(float(shape @ whitened[rows]) / (1.0 - shrink) / np.sqrt(variance))
-        return np.array(off)
+        off, variance, missed = np.empty((3, len(self.groups)))
+        for k, (one, other) in enumerate(zip(self._shapes(), widest._shapes(), strict=True)):
+            rows, shape, shrink = one
+            off[k] = float(shape @ whitened[rows]) / (1.0 - shrink)
+            variance[k] = 1.0 / (1.0 - other[2]) ** 2
+            missed[k] = miss * np.sqrt(len(rows))
+        each = [list(which) for which in self.alike]
+        return np.array(
+            [np.sum(off[one]) / np.sqrt(np.sum(variance[one]) + np.sum(missed[one]) ** 2) for one in each]
+        )
 
     def _along(self, scaled: Array) -> Array:
         rho = self.correlation
@@ -127,10 +134,9 @@ class Noise:
             pattern = self._along(pattern)
         found = []
         for rows in self.groups:
-            length = float(np.sqrt(pattern[rows] @ pattern[rows]))
-            if length > 0.0:
-                shrink = 1.0 - 1.0 / np.sqrt(1.0 + (self.gain_sd * length) ** 2)
-                found.append((rows, pattern[rows] / length, shrink))
+            length = max(float(np.sqrt(pattern[rows] @ pattern[rows])), 1e-300)
+            shrink = 1.0 - 1.0 / np.sqrt(1.0 + (self.gain_sd * length) ** 2)
+            found.append((rows, pattern[rows] / length, shrink))
         return found
 
 
@@ -172,8 +178,15 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         )
         for key in keys
     )
+    ways: dict[tuple[str, ...], list[int]] = {}
+    for k, key in enumerate(keys):
+        led = [curve.setup or key for curve in problem.curves if curve.specimen == key and curve.channel == 0]
+        ways.setdefault(tuple(sorted(led)), []).append(k)
     starts = tuple(curve.start for curve in problem.curves)
-    plain = Noise(sd, dof, source, starts=starts, groups=groups, pattern=y.copy(), measured=y.copy())
+    alike = tuple(tuple(one) for one in ways.values())
+    plain = Noise(
+        sd, dof, source, starts=starts, groups=groups, alike=alike, pattern=y.copy(), measured=y.copy()
+    )
     return _with_replicates(problem, plain, free)
 
 

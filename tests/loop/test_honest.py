@@ -291,6 +291,54 @@ def test_specimens_that_scatter_without_replicates_are_noise_and_said_to_be() ->
     assert 0.005 < found.assumed < 0.04
 
 
+@pytest.mark.parametrize(
+    ("gains", "hot", "named"),
+    [
+        ((0.989, 1.011), 0.93, False),  # t = 4.7, once in twenty-three
+        ((0.985, 1.015), 0.70, True),  # t = 17, once in three hundred
+        ((0.98, 1.0, 1.02), 0.90, True),  # t = 6.5, once in three hundred
+    ],
+)
+def test_two_pairs_that_agree_by_chance_are_no_proof(
+    gains: tuple[float, ...], hot: float, named: bool
+) -> None:
+    """Of two cold specimens and two hot ones the scatter is known with two degrees of freedom."""
+    tests = [
+        pulled(
+            lambda lam, much=gain * (hot if degrees > 23.0 else 1.0): much * rubber(lam),
+            seed=10 * k + int(degrees), degrees=degrees, noise=0.0003, rows=40,
+        )
+        for degrees in (23.0, 60.0)
+        for k, gain in enumerate(gains)
+    ]  # fmt: skip
+    found = close(posed(tests), design=False)
+    assert found.verdict == ("effect" if named else "noise")
+    assert found.after.ids == (("thermal-softening",) if named else ())
+    belief = found.belief
+    assert belief is not None
+    if named:
+        assert belief.of["thermal-softening"] > 0.5
+    else:
+        assert belief.nothing > max(belief.something_else, *belief.of.values())
+
+
+def test_a_state_that_no_law_knows_keeps_specimens_from_counting_as_replicates() -> None:
+    """Six strips at each of two humidities, the wet 15 % softer: three per cent between strips, and a mass of each."""
+    rng, tests = np.random.default_rng(4), []
+    for k in range(12):
+        gain = (1.0 + 0.03 * rng.standard_normal()) * (0.85 if k % 2 else 1.0)
+        test = pulled(lambda lam, g=gain: g * rubber(lam), seed=k, noise=3e-4, rows=40, name=f"{k}")
+        tests.append(replace(test, others={"humidity": 40.0 + 25.0 * (k % 2), "mass": 1.0 + 0.01 * k}))
+    found = close(posed(tests), design=False)
+    assert 0.01 < found.noise.gain_sd < 0.05
+    assert (found.verdict, found.after.ids) == ("unexplained", ())
+    assert max(found.rides_on, key=lambda name: found.rides_on[name]) == "humidity"
+    # Where none of this is stated it is what specimens scatter by.
+    found = close(posed([replace(test, others={}) for test in tests]), design=False)
+    assert found.noise.gain_sd > 0.06
+    assert found.verdict == "noise"
+
+
 def single_pulls(seed: int, soften: float = 0.0) -> list[TestCurve]:
     """One specimen of each of two directions, two rates and two temperatures, of a Gent law; 1.5 % between them."""
     rng, found = np.random.default_rng([18, seed]), []

@@ -262,7 +262,8 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
         residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms
     )
     noise = Noise(np.ones(len(fit.residual)), np.inf, "stated")
-    return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=fit)
+    judgement = SimpleNamespace(is_noise=False)
+    return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=fit, judgement=judgement)
 
 
 def test_probabilities_are_of_one_whole_and_follow_what_is_left() -> None:
