@@ -111,15 +111,6 @@ class Law(ABC):
         """Names of the constants that are stresses: energy, stress and stiffness go with all of them together."""
         return stresses(self.names)
 
-    def scaled(self, parameters: Mapping[str, float], factor: float) -> dict[str, float]:
-        """Return the constants of a sheet ``factor`` times as stiff at every stretch.
-
-        >>> from hyperfab.materials import law
-        >>> law("blatz-ko").scaled({"mu_MPa": 0.4, "f": 0.0, "nu": 0.25}, 0.5)
-        {'mu_MPa': 0.2, 'f': 0.0, 'nu': 0.25}
-        """
-        return scaled(parameters, factor)
-
     @abstractmethod
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:
         """Return the term of each linear constant; ``theta`` may hold arrays that broadcast on the stretches."""

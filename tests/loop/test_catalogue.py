@@ -20,6 +20,7 @@ from hyperfab.loop.problem import Form
 from hyperfab.materials import laws
 from hyperfab.materials.effects.path import UNIAXIAL
 from hyperfab.materials.effects.path import Path as Way
+from hyperfab.materials.law import scaled
 
 MODULES = sorted(path for path in Path(catalogue.__file__).parent.rglob("*.py") if path.name != "__init__.py")
 DOCS = Path(__file__).parents[2] / "docs"
@@ -54,7 +55,7 @@ def fabric_context(stress: float = 1.0, pace: float = 1.0) -> fabric.DataContext
         branch=np.zeros(count, dtype=np.int64),
     )
     law = laws()["yeoh-2"]
-    own = tuple(law.scaled(dict(zip(law.names, (0.2, 0.05), strict=True)), stress).values())
+    own = tuple(scaled(dict(zip(law.names, (0.2, 0.05), strict=True)), stress).values())
     return fabric.DataContext(law, own, way, stress * (lam - 1.0), directions=True, transverse=True)
 
 

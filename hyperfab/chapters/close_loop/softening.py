@@ -18,7 +18,7 @@ from hyperfab.materials.hyperfoam import Terms as Foam
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
-from hyperfab.materials.law import Law
+from hyperfab.materials.law import Law, scaled
 from hyperfab.materials.registry import bind, law_of
 
 
@@ -40,17 +40,16 @@ def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) ->
     the constants it had is taken out.
     """
     result = material.refitted()
-    law = law_of(material.model, material.parameters, anisotropic=True)
 
-    def scaled(parameters: Mapping[str, float], way: str) -> dict[str, float]:
-        whole = law.scaled(parameters, factors.get(way, 1.0))
+    def times(parameters: Mapping[str, float], way: str) -> dict[str, float]:
+        whole = scaled(parameters, factors.get(way, 1.0))
         return {key: value * factors.get(key, 1.0) for key, value in whole.items()}
 
     place: Any
     for place, way in ((result, "warp"), *((one, way) for way, one in (result.directions or {}).items())):
-        place.parameters = scaled(place.parameters, way)
+        place.parameters = times(place.parameters, way)
         place.temperatures = [
-            row.model_copy(update={"parameters": scaled(row.parameters, way)})
+            row.model_copy(update={"parameters": times(row.parameters, way)})
             for row in place.temperatures or []
         ] or None
     return result
@@ -91,7 +90,7 @@ def _at(
     Nearest, over the tests' reach, to what a law says that softens otherwise at each strain.
     """
     if form in LAWS:
-        return law.scaled(own, float(LAWS[form](np.array(reference + rise), reference, *map(float, values))))
+        return scaled(own, float(LAWS[form](np.array(reference + rise), reference, *map(float, values))))
     reach = np.linspace(0.0, values[0], 41)[1:]
     pull = replace(uniaxial_pull(1.0 + reach), temperature_degC=np.full_like(reach, rise))
     return nearest(law, pull, own, {"thermal-softening": (form, np.array(values))})

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.materials.effects.path import BIAXIAL, Path, second_stretch
 from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Law
+from hyperfab.materials.law import Law, scaled
 
 #: Stress [MPa] and energy [MPa] of every row.
 Answer = tuple[Array, Array]
@@ -90,7 +90,7 @@ class Ratio(Directions):
         return stress * factor, energy * factor
 
     def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:
-        return law.scaled(warp, float(values[0]))
+        return scaled(warp, float(values[0]))
 
 
 class Constants(Directions):
