@@ -3,38 +3,46 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 
 _BINS = 8
 
 
-def dependence(residual: Array, states: Mapping[str, Array]) -> dict[str, float]:
+def dependence(
+    residual: Array,
+    states: Mapping[str, Array],
+    left: Array | None = None,
+    specimens: Sequence[NDArray[np.int64]] = (),
+) -> dict[str, float]:
     """Return, for each state variable, the share of the residual's variance its means in bins explain.
 
-    The share that noise of the same size would give by chance is taken off.
+    The share that noise of the same size would give by chance is taken off. Of a state that each of some ``specimens``
+    (rows) has to itself it is the share of what is ``left`` before their scatter is taken out, by chance as of so many.
     """
     found = {}
-    total = float(np.mean(residual**2))
     for name, values in states.items():
+        own = left is not None and all(len(np.unique(values[rows])) == 1 for rows in specimens)
+        of, count = (left, len(specimens)) if left is not None and own else (residual, len(residual))
         known = np.isfinite(values)
         distinct = np.unique(values[known])
-        if len(distinct) < 2 or total <= 0.0:
+        if len(distinct) < 2 or not np.any(of):
             continue
         if len(distinct) <= _BINS:
             label = np.searchsorted(distinct, values[known])
         else:
             edges = np.unique(np.quantile(values[known], np.linspace(0.0, 1.0, _BINS + 1)[1:-1]))
             label = np.searchsorted(edges, values[known])
-        part = residual[known]
-        count = np.bincount(label)
-        means = np.bincount(label, weights=part) / np.maximum(count, 1)
-        share = float(np.sum(count * means**2) / np.sum(part**2)) if np.any(part) else 0.0
-        chance = np.count_nonzero(count) / len(part)
-        found[name] = float(max(share - chance, 0.0))
+        part = of[known]
+        size = np.bincount(label)
+        means = np.bincount(label, weights=part) / np.maximum(size, 1)
+        share = float(np.sum(size * means**2) / np.sum(part**2)) if np.any(part) else 0.0
+        chance = np.count_nonzero(size) / (count * np.mean(known))
+        found[name] = max(share - float(chance), 0.0)
     return dict(sorted(found.items(), key=lambda item: -item[1]))
 
 

@@ -95,12 +95,14 @@ def close(
         left = problem.measured - after.fit.predicted
         first = problem.channel == 0
         states = problem.states
+        scattered = (left / level.sd)[first] if level.gain_sd else None
+        rides_on = dependence(after.fit.residual[first], states, scattered, level.groups)
         hint = None
         if verdict == "unexplained":
             hint = suggestion(left[first], level.sd[first], states)
         return Finding(
             verdict, level, before, after, added, tried, scores, worth,
-            rides_on=dependence((left / level.sd)[first], states), suggestion=hint, belief=sure_of(verdict == "noise"),
+            rides_on=rides_on, suggestion=hint, belief=sure_of(verdict == "noise"),
         )  # fmt: skip
 
     if before.judgement.is_noise or _no_more_than_noise(before):
