@@ -73,14 +73,14 @@ def heading(title: str, index: int) -> Heading:
     first, _, last = label.rpartition(" ")
     if last in ("%", "°C", "°F", "‰") and is_known(first):
         return Heading(title, first, last, index)
+    if is_known(first) and first[-1] not in "/," and not is_known(label) and (unit := unit_of(last)):
+        kinds = [KIND.get(made.name) for one in looked_up(plain(first)) if (made := in_unit(one, unit))]
+        if last != "1" and any(is_of(unit, kind) for kind in kinds if kind):
+            return Heading(title, first, unit, index)
     for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)"):
         match = re.fullmatch(pattern, label)
         if match and (unit := beside(match[2])) is not None and not is_known(label):
             return Heading(title, match[1].strip(), unit, index)
-    if first and is_known(first) and not is_known(label) and (unit := unit_of(last)) is not None:
-        kinds = [KIND.get(made.name) for one in looked_up(plain(first)) if (made := in_unit(one, unit))]
-        if last != "1" and any(is_of(unit, kind) for kind in kinds if kind):
-            return Heading(title, first, unit, index)
     return Heading(title, label or title, None, index)
 
 

@@ -61,6 +61,12 @@ def test_a_weight_over_square_centimetres_is_a_stress() -> None:
     assert found.stress.tolist() == pytest.approx([0.0980665, 0.196133])
 
 
+@pytest.mark.parametrize("unit", ["N/mm²", "N/mm2", "N/mm^2"])
+def test_a_unit_with_a_slash_stands_behind_a_title_without_brackets(unit: str) -> None:
+    [found] = read_tests(f"# test: tensile\nstrain,stress {unit}\n0.1,2\n0.2,4\n".encode(), "a.csv")
+    assert found.stress.tolist() == pytest.approx([2, 4])
+
+
 @pytest.mark.parametrize("head", ["Load (100 N)", "Load [100 N]", "Load, 100 N", "Load /100N"])
 def test_an_amount_in_the_place_of_a_unit_is_asked_for(head: str) -> None:
     """It may be the range of the load cell, or what each number counts for."""
