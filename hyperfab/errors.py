@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 
 class HyperfabError(Exception):
@@ -54,6 +55,15 @@ class InputError(HyperfabError):
         self.column = column
         self.key = key
         self.remedy = remedy
+
+
+@contextlib.contextmanager
+def placed(file: str, key: str | None = None) -> Iterator[None]:
+    """Give errors of the physics, which knows no files, their place."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(error.message, file=file, key=key, remedy=error.remedy) from None
 
 
 def _shown(name: str) -> str:

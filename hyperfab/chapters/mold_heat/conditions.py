@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.mold import FacesInBox, HeaterSection, MoldDocument, Place
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.thermal.condition import Condition
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
@@ -26,15 +25,6 @@ from hyperfab.thermal.switched import Switched
 from hyperfab.thermal.tables import Table
 
 Mask = NDArray[np.bool_]
-
-
-@contextlib.contextmanager
-def at_key(file: str, key: str) -> Iterator[None]:
-    """Give errors of the physics their place in the document."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(error.message, file=file, key=key, remedy=error.remedy) from None
 
 
 class Placing:
@@ -174,7 +164,7 @@ class Placing:
         whole = np.zeros(len(self.mesh.facets.element), dtype=bool)
         flip = whole.copy()
         for place in places:
-            with at_key(self.name, key):
+            with placed(self.name, key):
                 if isinstance(place, FacesInBox):
                     box = Box(place.box.origin, place.box.size)
                     found = self.faces.inside(place.part, box)

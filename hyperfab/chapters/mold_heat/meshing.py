@@ -7,7 +7,7 @@ from collections.abc import Callable
 import psutil
 
 from hyperfab.arrays import Array
-from hyperfab.errors import InputError, NotConverged
+from hyperfab.errors import InputError, NotConverged, placed
 from hyperfab.thermal.geometry import Geometry, Stl
 from hyperfab.thermal.mesher import (
     NODES_PER_TETRAHEDRON,
@@ -43,10 +43,9 @@ def mesh_mold(
     """
     _refuse_too_large(geometry, mesh_size, file, notes)
     try:
-        coarser = _coarsened(geometry, mesh_size, notes, waiting)
-        return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting, built=built), coarser)
-    except InputError as error:
-        raise InputError(error.message, file=file, key="part", remedy=error.remedy) from None
+        with placed(file, "part"):
+            coarser = _coarsened(geometry, mesh_size, notes, waiting)
+            return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting, built=built), coarser)
     except NotConverged:
         _refuse_crossing(geometry, file)
         raise

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.mold_heat.conditions import Placing, at_key
+from hyperfab.chapters.mold_heat.conditions import Placing
 from hyperfab.chapters.mold_heat.geometry import geometry_of
 from hyperfab.chapters.mold_heat.meshing import mesh_mold
 from hyperfab.chapters.mold_heat.production import Pieces, pieces_of
 from hyperfab.chapters.mold_heat.start import earlier_field, start_from
 from hyperfab.chapters.mold_heat.tables import Tables, refuse_exposed, refuse_unknown_names
 from hyperfab.documents.mold import EarlierField, MoldDocument
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -103,7 +103,7 @@ class MoldBuilder:
         joints = []
         split = np.zeros(len(mesh.facets.element), dtype=bool)
         for number, contact in enumerate(document.contact):
-            with at_key(self.name, f"contact.{number}.between"):
+            with placed(self.name, f"contact.{number}.between"):
                 joints.append(faces.interface(*contact.between))
             split |= joints[-1].mask
         mesh = split_contacts(mesh, split)

@@ -19,7 +19,7 @@ from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.quantity import TableFile
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.dense import dense
@@ -57,7 +57,8 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
                 (two.turned() if turn_two else two).surface,
             )
             try:
-                frame = closing_frame(*surfaces, case.axis)
+                with placed(f"{case.male}, {case.female}"):
+                    frame = closing_frame(*surfaces, case.axis)
             except InputError as error:
                 failure = failure or error
                 continue

@@ -13,7 +13,7 @@ from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import HeatInput, ThermalDisplacement, grow, read_heat
 from hyperfab.chapters.press_contact.laws import Fabrics, compression_law, fabrics, note_temperature, thinning
 from hyperfab.documents.foam import FoamDocument, TableLaw
-from hyperfab.errors import UsageError
+from hyperfab.errors import UsageError, placed
 from hyperfab.pressing.closing import Case as Closing
 from hyperfab.pressing.foam_law import Tempered
 from hyperfab.pressing.growth import Expansion
@@ -196,7 +196,8 @@ def model_of(job: Job, case: PressCase, files: Files) -> Model:
     """Return the hot press that a case describes, with what its files hold."""
     frame, document, smooth = files.frame, files.document, case.facets == "smooth"
     molds = in_frame(files.surfaces[0], frame, 1, smooth), in_frame(files.surfaces[1], frame, -1, smooth)
-    check_roles(*molds)
+    with placed(f"{case.male}, {case.female}"):
+        check_roles(*molds)
     male, female = (
         grow(job, mold, molds[0], known, expansion, poisson, frame, case.mounted == "flat")
         for mold, known, expansion, poisson in zip(
