@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -52,13 +53,12 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
 def _in_name(name: str) -> str | None:
     """Return the direction that the name of a file or a sheet tells; none where it tells two, or of a warp knit.
 
-    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft")
-    ('weft', None, None)
+    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft"), _in_name("-")
+    ('weft', None, None, None)
     """
-    words = plain(name).split()
     found = {
         told
-        for word, after in zip(words, [*words[1:], ""], strict=True)
+        for word, after in pairwise([*plain(name).split(), ""])
         if word not in _UNSURE
         and not after.startswith(("knit", "wirk"))
         and (told := word_for(word, "DIRECTIONS"))
