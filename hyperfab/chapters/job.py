@@ -65,14 +65,8 @@ class Job:
             own = data.get("setup", {})
             hashes = {file.name: file.sha256 for file in self.inputs.files}
             data = document.to_json(case.setup(hashes, known | own) | own)
-        names = {file.name: relative_name(file.name, output.target) for file in self.inputs.files}
-        every = _Seen(names)
-        # There a name without a folder is the file's own, wherever the file lies.
-        placed = _Seen({name: shown for name, shown in names.items() if os.path.basename(name) != name})
         data = {
-            key: value
-            if key in ("setup", "files", "provenance")
-            else (placed if key in ("uncertainty", "validity") else every).named(value)
+            key: value if key in ("setup", "files", "provenance") else self.named(value)
             for key, value in data.items()
         }
         if self.like is not None:
@@ -85,6 +79,19 @@ class Job:
         if output.wants_files:
             beside = f" and {len(output.names)} files beside it" if output.names else ""
             self.console.note(f"written: {output.target}{beside}")
+
+    def named(self, data: Any) -> Any:
+        """Return plain data with the inputs in its texts under their own names, namesakes as the document sees them.
+
+        The same set-up gives the same document wherever it is written.
+        """
+        own_names = Counter(os.path.basename(file.name) for file in self.inputs.files)
+        seen = {
+            file.name: base if own_names[base] == 1 else relative_name(file.name, self.target)
+            for file in self.inputs.files
+            if (base := os.path.basename(file.name)) != file.name
+        }
+        return _Seen(seen).named(data)
 
     def _sum_up(self, data: dict[str, Any]) -> None:
         from hyperfab.chapters.summary import paragraph
@@ -103,11 +110,11 @@ class Job:
 
 
 class _Seen:
-    """Names inputs in a document as they are seen from it: no folder of this machine stands in it."""
+    """Names inputs in a document by names of its own: no folder of this machine stands in it."""
 
     def __init__(self, names: Mapping[str, str]) -> None:
-        self.names = {name: shown for name, shown in names.items() if name not in (shown, "-")}
-        longest = sorted(self.names, key=len, reverse=True)
+        self.names = names
+        longest = sorted(names, key=len, reverse=True)
         self.pattern = re.compile(rf"(?<![\w./-])(?:{'|'.join(map(re.escape, longest))})(?![\w/-])")
 
     def named(self, data: Any) -> Any:

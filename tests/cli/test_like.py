@@ -118,9 +118,28 @@ def test_the_same_set_up_gives_the_same_document_from_another_folder(made: tuple
     first = json.loads((folder / "a.json").read_text())
     other = folder.parent / "elsewhere"
     other.mkdir(exist_ok=True)
-    # Where words name an input, they do as it is seen from the document.
-    run(hf, command, other, "--like", "../shop/a.json", name="../shop/c.json")
-    assert without(json.loads((folder / "c.json").read_text()), "c") == without(first)
+    again = run(hf, command, other, "--like", "../shop/a.json", name="c.json")
+    assert without(again, "c") == without(first)
+    for curves in folder.glob("a.csv"):
+        assert (other / "c.csv").read_bytes() == curves.read_bytes()
+
+
+def test_inputs_of_one_name_are_told_apart_by_their_folders(tmp_path: Path, hf: Run) -> None:
+    for cut in ("warp", "weft"):
+        (tmp_path / cut).mkdir()
+        (tmp_path / cut / "pull.csv").write_text(TEST)
+    document = run(
+        hf,
+        "fit",
+        tmp_path,
+        "warp/pull.csv",
+        "weft/pull.csv",
+        "--model",
+        "neo-hookean",
+        "--thickness",
+        "0.5mm",
+    )
+    assert document["preparation"][0].startswith("warp/pull.csv, weft/pull.csv: ")
 
 
 def test_what_a_drape_takes_unasked_stands_in_its_set_up(tmp_path: Path, hf: Run) -> None:

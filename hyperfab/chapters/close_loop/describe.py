@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
+from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
     AddedEffect,
@@ -263,7 +264,7 @@ def column(name: str, unit: str) -> str:
     return "_".join(words)
 
 
-def curves_csv(problem: FabricProblem, found: Finding, unit: str) -> bytes:
+def curves_csv(job: Job, problem: FabricProblem, found: Finding, unit: str) -> bytes:
     """Return measured and predicted stresses, row by row."""
     quantity = "membrane stress" if unit == "N/mm" else "stress"
     head = ["test", "stretch", *(column(name, unit) for name in (quantity, "before", "after", "noise sd"))]
@@ -272,6 +273,7 @@ def curves_csv(problem: FabricProblem, found: Finding, unit: str) -> bytes:
     old, new = found.before.fit.predicted, found.after.fit.predicted
     curves = [curve for curve in problem.curves if curve.channel == 0]
     for curve in curves:
+        test = job.named(curve.name)
         for i in range(curve.start, curve.stop):
-            rows.append((curve.name, path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i]))
+            rows.append((test, path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i]))
     return csv_bytes(head, rows, digits=8)

@@ -92,7 +92,7 @@ def run(job: Job, given: Given) -> int:
         model.validity = _closed_on(given.measured, tests)
         out.add(".model.json", dump_json(model.to_json()))
         result.model = out.path(".model.json").name
-        _files(out, problem, found, tests.unit)
+        _files(job, out, problem, found, tests.unit)
     return write(job, out, given, found, result)
 
 
@@ -222,7 +222,7 @@ def _errors(apart: Apart, found: Finding, unit: str, tests: int) -> Errors:
     return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
 
 
-def _files(out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
-    out.add(".csv", curves_csv(problem, found, unit))
+def _files(job: Job, out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
+    out.add(".csv", curves_csv(job, problem, found, unit))
     axis = Axis(problem.fabric.path.stretch, "stretch")
     out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}))

@@ -126,7 +126,7 @@ def finish(
         if out.wants_files:
             tick("the extended model")
             _model(job, out, extend(found), result, caution(found))
-            _files(out, problem, found, Axis.of(problem, axis))
+            _files(job, out, problem, found, Axis.of(problem, axis))
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
@@ -241,7 +241,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
 
 
-def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
+def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
     first = problem.channel == 0
     unit = problem.units[0]
     before, after = found.before.fit.predicted, found.after.fit.predicted
@@ -258,10 +258,11 @@ def _files(out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
         at[first] = np.stack([problem.states[name] for name in where], axis=1)
     for curve in quantities:
         own = units.index(problem.units[curve.channel])
+        file = job.named(curve.name)
         gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
         for i in range(curve.start, curve.stop):
             values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
-            rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], curve.name])
+            rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], file])
     out.add(".csv", csv_bytes([*head, *where, "file"], rows, digits=8))
     out.add(".png", picture(problem, found, axis, unit))
 
