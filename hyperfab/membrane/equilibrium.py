@@ -217,7 +217,9 @@ class Press:
         unbalanced[~self.sheet.pattern.free] = 0.0
         pushed = float(np.linalg.norm(terms.force, axis=1).sum())
         least = 1e-5 * self.sheet.modulus * self.sheet.thickness * self.sheet.reach
-        worst = float(np.abs(unbalanced).max() / max(pushed, least))
+        # No iteration takes the forces of a clamp that gives little below their rounding.
+        rounded = self.sheet.clamp.rounding / self.tolerance if self.sheet.clamp else 0.0
+        worst = float(np.abs(unbalanced).max() / max(pushed, least, rounded))
         return _Linearised(found, near, nodes, terms, spring, unbalanced, worst)
 
     def _factor(self, system: _Linearised) -> Factor:

@@ -136,7 +136,7 @@ _WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
 class Clamp:
     """Springs along the rim of ``mesh`` that hold it at ``rest`` (n, 3) [mm], free in the plane alone.
 
-    ``compliance`` [mm per N/mm] is above zero.
+    ``compliance`` [mm per N/mm] is above zero. ``rounding`` [N] is what the rounding of places makes of nodal forces.
     """
 
     def __init__(self, mesh: SheetMesh, compliance: float, rest: Array) -> None:
@@ -146,6 +146,7 @@ class Clamp:
         mass = _edge_mass(mesh.nodes[nodes]) / compliance
         self._nodes = nodes
         self._mass = mass
+        self.rounding = 4.0 * np.finfo(float).eps * float(np.abs(mass).sum(axis=2).max() * np.abs(rest).max())
         self._block = mesh.slipping_pattern.block_of[
             element[:, None, None], local[:, :, None], local[:, None, :]
         ]

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from builders import uniform
+from scipy.optimize import brentq
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
+from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import mounted_energy
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
+from hyperfab.membrane.punch import Sphere
 from hyperfab.membrane.sheet import Sheet, rim_edges
 from hyperfab.membrane.sphere_contact import SphereTest, run
 from hyperfab.membrane.tension_field import IsotropicSheet
@@ -72,6 +75,27 @@ def test_a_clamp_that_hardly_gives_is_nearly_rigid(rim_slip):
     held = DISC["neo-hookean", 40.0].force
     [solved] = _pressed(rim_slip, (40.0,)).solved
     assert solved.state.force == pytest.approx(held, rel=5e-5)
+
+
+@pytest.mark.parametrize("rim_slip", [2e-4, 1e-3, 0.05, 0.5])
+def test_a_taut_sheet_in_a_clamp_that_hardly_gives_is_mounted_as_by_hand(rim_slip):
+    """Rounding of the clamp's stiff springs is no unbalanced force: neo-Hookean, alike all round."""
+    sheet = Sheet(sheet_mesh(DISC_QUARTER, triangulate(DISC_QUARTER, uniform(9.0))), LAW, 1.0, 1.05, rim_slip)
+
+    def pulled(s):  # [N/mm], 1 mm thick
+        return 2.0 * NEO_HOOKEAN["C10_MPa"] * (s - s**-5)
+
+    s = brentq(lambda s: 100.0 * (1.05 - s) - rim_slip * pulled(s), 1.0, 1.05, xtol=1e-14)
+    stored = NEO_HOOKEAN["C10_MPa"] * (2.0 * s**2 + s**-4 - 3.0) * np.pi * 100.0**2
+    assert mounted_energy(Press(sheet, Sphere(40.0))) == pytest.approx(
+        stored + np.pi * 100.0 * rim_slip * pulled(s) ** 2, rel=1e-6
+    )
+
+
+def test_depths_in_a_clamp_that_hardly_gives_are_reached_from_a_cold_start():
+    """At 10 mm the sphere's force is small beside the rounding of the clamp's springs."""
+    held, gives = (_pressed(rim_slip, (10.0, 20.0)).solved[0].state.force for rim_slip in (0.0, 1e-3))
+    assert gives == pytest.approx(held, rel=1e-4)
 
 
 def test_springs_pull_by_the_slope_of_their_energy():
