@@ -30,7 +30,7 @@ from hyperfab.materials.effects.path import (
     second_stretch,
     uniaxial_pull,
 )
-from hyperfab.materials.hyperfoam import Terms as Foam
+from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
@@ -141,7 +141,7 @@ class FabricProblem(Problem):
         """Pairs of places close together in each kind of test, up to the largest I1 of these; None where several kinds
         hold the law, and of a foam, whose plateau is flat."""
         path = self.fabric.path
-        if len(np.unique(path.mode)) > 1 or isinstance(self.law, Foam):
+        if len(np.unique(path.mode)) > 1 or isinstance(self.law, HyperfoamLaw):
             return None
         far = float(np.max(_I1(path.mode, path.stretch, path.across)))
         stretch = np.linspace(1.0, float(np.sqrt(3.0 + far)), 2001)
@@ -221,7 +221,7 @@ def fabric_problem(
     for _, constants in held.values():
         own += constants
     curves, rows, measured = curves_of(path, tests, stress)
-    hang = None if isinstance(law, Foam) else hanging(path, curves, stress)
+    hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
     alike = {curve.start for pair in replicates(curves) for curve in pair}
     replicated = len(alike) > len(path.curves) / 2
@@ -281,7 +281,7 @@ def _best_by_law(
     among many. A document's constants, from few
     tests, may lie in another valley than these data, or beyond the stretch where the law ends.
     """
-    if not law.nonlinear or not law.isotropic or isinstance(law, Foam):
+    if not law.nonlinear or not law.isotropic or isinstance(law, HyperfoamLaw):
         return ()
     rows = np.flatnonzero((path.mode != GENERAL) & (path.stretch > 0.0) & np.isfinite(stress))
     if len(rows) == 0:

@@ -170,7 +170,7 @@ class Hyperfoam:
         return np.stack([*columns, *turns, *ratios], axis=2)
 
 
-class Terms(Law):
+class HyperfoamLaw(Law):
     """The law of n terms by the names of its constants; what is free of it asks for all of them together."""
 
     title = "compressible foam"

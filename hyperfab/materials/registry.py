@@ -10,7 +10,7 @@ from functools import cache
 
 from hyperfab.errors import InputError, UsageError, near
 from hyperfab.materials import laws as _folder
-from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam, Terms
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam, HyperfoamLaw
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
 
@@ -93,7 +93,7 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
             key="model",
             remedy=f"{hint} the laws are {', '.join(laws())}".strip(),
         )
-    found = Terms(ORDERS[name]) if name in ORDERS else law(name)
+    found = HyperfoamLaw(ORDERS[name]) if name in ORDERS else law(name)
     if not found.isotropic and not anisotropic:
         raise InputError(
             f"{name} is a law with directions, an isotropic one is needed here",
@@ -121,7 +121,7 @@ def stiffness_at_rest(found: Law, parameters: Mapping[str, float]) -> float:
     >>> round(stiffness_at_rest(law("yeoh-1"), {"C10_MPa": -0.1}), 2)
     -0.6
     """
-    if isinstance(found, Terms):
+    if isinstance(found, HyperfoamLaw):
         return Hyperfoam.of(parameters).youngs_modulus
     c, theta = found.split(parameters)
     # A hair beyond rest, where fibres that bear tension only have begun to.

@@ -14,7 +14,7 @@ from hyperfab.documents.material import AtTemperature, MaterialDocument
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import Path, uniaxial_pull
 from hyperfab.materials.effects.thermal_softening import LAWS
-from hyperfab.materials.hyperfoam import Terms as Foam
+from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
@@ -103,7 +103,7 @@ def nearest(
     constants = np.array([own[name] for name in law.names])
     stress = Fabric(law, pull, 0.0).stress(constants, None, terms)
     weight = np.full_like(stress, 1.0 / float(np.max(np.abs(stress))))
-    if isinstance(law, Foam):
+    if isinstance(law, HyperfoamLaw):
         return law.nearest(own, [TestCurve("uniaxial", pull.stretch, stress, weight)])
     near = fit_law(LawProblem(law, Rows.of([TestCurve("uniaxial", pull.stretch, stress, weight)])))
     return dict(own) if near is None else {name: near.material.parameters[name] for name in law.names}

@@ -25,8 +25,7 @@ from hyperfab.materials.effects import (
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, second_stretch
 from hyperfab.materials.effects.state import State
 from hyperfab.materials.effects.threads import Threads
-from hyperfab.materials.hyperfoam import Hyperfoam, Rows
-from hyperfab.materials.hyperfoam import Terms as Foam
+from hyperfab.materials.hyperfoam import Hyperfoam, HyperfoamLaw, Rows
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import InvariantTerm, Term
@@ -131,7 +130,7 @@ class Fabric:
                 return compressibility.FORMS[form].across(self.path, stretch, values)
             if warp is None or not self.law.compressible:
                 return np.asarray(stretch**-0.5)
-            if isinstance(self.law, Foam):
+            if isinstance(self.law, HyperfoamLaw):
                 return self._of_foam(warp, terms, (stretch, side))[2]
             _, theta = self.law.split(dict(zip(self.law.names, map(float, warp), strict=True)))
             return np.asarray(stretch ** -self.law.contraction(theta))
@@ -275,7 +274,7 @@ class Fabric:
         place: tuple[object, ...],
         needs_energy: bool,
     ) -> tuple[Array, Array]:
-        if isinstance(self.law, Foam):
+        if isinstance(self.law, HyperfoamLaw):
             return self._of_foam(constants, terms, stretches)[:2]
         given = dict(zip(self.law.names, map(float, constants), strict=True))
         if self.law.nonlinear and self.law.refusal(given) is not None:

@@ -11,8 +11,7 @@ from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
 from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
-from hyperfab.materials.hyperfoam import ORDERS
-from hyperfab.materials.hyperfoam import Terms as Foam
+from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 
 _ALL = {"C20_MPa", "C30_MPa"}
 
@@ -28,7 +27,7 @@ def anisotropy(context: DataContext) -> Effect:
     reason = ""
     if context.directions:
         reason = HAS_IT
-    elif isinstance(context.law, Foam):
+    elif isinstance(context.law, HyperfoamLaw):
         reason = "the law of a foam is one of all its directions"
     elif len(context.angles) < 2:
         reason = "the tests state one direction at most"
@@ -172,7 +171,7 @@ def compressibility(context: DataContext) -> Effect:
 def elastic_law(context: DataContext) -> Effect:
     """A base law that is too poor, with terms of a richer energy on top of it: higher powers of I1 - 3, ln(I2/3), an
     Ogden term, an exponential."""
-    if isinstance(context.law, Foam):
+    if isinstance(context.law, HyperfoamLaw):
         return _more_of_a_foam(context, ORDERS[context.law.name])
     size = context.peak_stress
     far = (1.0 + context.reach) ** 2 + 2.0 / (1.0 + context.reach) - 3.0
@@ -246,7 +245,7 @@ def _more_of_a_foam(context: DataContext, n: int) -> Effect:
     size, most = 0.1 * context.peak_stress, max(ORDERS.values())
 
     def term(k: int) -> tuple[Constant, ...]:
-        ends = Foam(k).bounds
+        ends = HyperfoamLaw(k).bounds
         return (
             Constant(f"mu{k}_MPa", 0.0, scale=size),
             Constant(f"alpha{k}", 4.0, *ends[f"alpha{k}"], 2.0),
