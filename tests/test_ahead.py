@@ -110,6 +110,7 @@ def called(x):
 ASKS = "from uses import caller; print(caller(1.0))"
 
 
+@pytest.mark.slow
 def test_a_kernel_is_compiled_anew_when_what_it_calls_changes(tmp_path: Path) -> None:
     # The caller's own file stays: by it alone the old code, with the old callee inside, would be taken.
     (tmp_path / "uses.py").write_text(USES)

@@ -249,11 +249,15 @@ class Rows:
         nu = float(weight @ np.asarray(law.nu) / weight.sum())
         # At rest exact; of one term the answer.
         t = -nu * self.e.sum(axis=1) / (1.0 - nu * (2.0 - self.free.sum()))
+        # All free sides are alike: one force and its slope, not those of three axes.
+        E, many = self.e.sum(axis=1), self.free.sum()
+        mu, alpha, beta = (np.asarray(one)[:, None] for one in (law.mu, law.alpha, law.beta))
         for _ in range(_STEPS):
-            e = self.e + t[:, None] * self.free
-            force = law.first(e) @ self.free
-            slope = np.einsum("i,nij,j->n", self.free, law.second(e), self.free)
-            step = np.clip(np.nan_to_num(-force / slope), -_STEP, _STEP)
+            side, volume = np.expm1(alpha * t), np.expm1(-alpha * beta * (E + many * t))
+            force = (mu / alpha * (side - volume)).sum(axis=0)
+            slope = (mu * (1.0 + side + many * beta * (1.0 + volume))).sum(axis=0)
+            step = np.clip(-force / slope, -_STEP, _STEP)
+            step[np.isnan(step)] = 0.0
             t = t + step
             if np.abs(step).max() < 1e-14:
                 break

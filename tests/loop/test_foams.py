@@ -104,7 +104,12 @@ def closed(makes: Makes) -> tuple[FabricProblem, Finding]:
     return problem, close(problem, design=False)
 
 
-@pytest.mark.parametrize("effect", TRUTHS)
+SLOW = ("mullins", "hysteresis")
+
+
+@pytest.mark.parametrize(
+    "effect", [pytest.param(one, marks=pytest.mark.slow if one in SLOW else ()) for one in TRUTHS]
+)
 def test_what_a_pressed_foam_has_is_named(effect: str) -> None:
     problem, found = closed(TRUTHS[effect])
     assert list(found.after.ids) == ([effect] if effect else [])

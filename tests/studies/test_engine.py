@@ -291,6 +291,7 @@ def test_a_stop_while_workers_start_does_not_wait_for_them(shop: Shop) -> None:
     assert not psutil.wait_procs(family, timeout=2)[1]
 
 
+@pytest.mark.slow
 def test_nothing_listens_beyond_the_loopback_and_a_second_driver_is_refused(shop: Shop) -> None:
     psutil = pytest.importorskip("psutil", reason="comes with distributed")
     shop.study(command="sleep")

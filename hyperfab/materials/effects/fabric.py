@@ -79,6 +79,7 @@ class Fabric:
     speed: Array | None = None
     hang: NDArray[np.bool_] | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
+    _foams: dict[tuple[object, ...], Array] = field(default_factory=dict)
     _last: tuple[tuple[object, ...], Array, Array, Array] = field(
         default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
     )
@@ -299,21 +300,32 @@ class Fabric:
     ) -> tuple[Array, Array, Array]:
         """Return stress, energy and stretch across of a foam: its free sides ask for all constants together."""
         form, values = terms.get("elastic-law", ("", np.empty(0)))
-        names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
-        given = dict(zip(names, map(float, (*constants, *values)), strict=True))
+        key = (tuple(constants), form, tuple(values), *(one.tobytes() for one in stretches))
+        if key not in self._foams:
+            if len(self._foams) >= _KEPT:
+                self._foams.pop(next(iter(self._foams)))
+            names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
+            given = dict(zip(names, map(float, (*constants, *values)), strict=True))
+            self._foams[key] = self._answer_of_foam(given, stretches)
+            self._foams[key].setflags(write=False)
+        stress, energy, across = self._foams[key]
+        return stress, energy, across
+
+    def _answer_of_foam(self, constants: Mapping[str, float], stretches: tuple[Array, Array]) -> Array:
         found = np.full((3, len(stretches[0])), np.nan)
-        if self.law.refusal(given) is None:
-            law = Hyperfoam.of(given)
-            for mode in np.unique(self.path.mode):
-                at = self.path.mode == mode
-                stretch, side = (one[at] for one in stretches)
-                rows = Rows.of(
-                    MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side
-                )
-                with np.errstate(all="ignore"):
-                    e = rows.strain(law)
-                    found[:, at] = rows.stress(law, e), law.energy(e), np.exp(e[:, 2])
-        return found[0], found[1], found[2]
+        if self.law.refusal(constants) is not None:
+            return found
+        law = Hyperfoam.of(constants)
+        for mode in np.unique(self.path.mode):
+            at = self.path.mode == mode
+            stretch, side = (one[at] for one in stretches)
+            rows = Rows.of(
+                MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side
+            )
+            with np.errstate(all="ignore"):
+                e = rows.strain(law)
+                found[:, at] = rows.stress(law, e), law.energy(e), np.exp(e[:, 2])
+        return found
 
     def _basis(
         self,
