@@ -89,9 +89,7 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
                 f"says the test is {known[text]}, but it was given as {given}",
                 file=sheet.name,
                 line=line,
-                remedy=f"give it as --{plain}, or correct the line"
-                if sheet.over is None
-                else "give the file without the option: its titles say which test each is",
+                remedy="give the file without the option, for it says which test each is, or correct what it says",
             )
     count = len(sheet.lines)
     if texts:
