@@ -128,6 +128,11 @@ class Memory:
     dissipated: float = 0.0
     drift: Array | None = None
 
+    @property
+    def origins(self) -> Array:
+        """Points (n, 3) [mm] of the punch nearest to the nodes, from where slip is counted in the step that follows."""
+        return np.asarray(self.places - self.gap[:, None] * self.normal)
+
 
 def mounted(flat: Array, punch: Punch) -> Memory:
     """Return the memory of the mounted sheet, places (n, 3), before the punch moves: nothing touches."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from hyperfab.membrane.contact import (
     mounted,
     remembered,
 )
+from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.punch import Nearness, Punch
 from hyperfab.membrane.sheet import Assembled, Sheet
 from hyperfab.numerics.linear import Factor, SingularMatrixError
@@ -34,6 +35,11 @@ _LEAST_SUPPORT = 1e-6
 _SLACK_ENERGY = 1e-14
 #: Touching nodes lie on the punch to this [mm].
 _GAP_TOLERANCE = 1e-9
+#: Where Newton's method finds no way between sticking and slipping, friction grows over slips (relative to the distance
+#: from the punch's axis to the rim) that shrink from more than a load step brings about to as good as none.
+_FIRST_CREEP, _LAST_CREEP = 1e-2, 1.1e-8
+#: From one to the next they shrink to this part, or to its root where that is too far at once.
+_LESS_CREEP, _LEAST_CHANGE = 0.1, 0.5
 #: On facets a node may be pulled off by this part of the largest nodal force and still touches.
 _FLAT = 1e-9
 
@@ -129,6 +135,54 @@ class Press:
         energy; slower, and surer where much of the sheet is slack. Raises NoEquilibriumError.
         """
         memory = memory or mounted(self.sheet.flat, self.punch)
+        try:
+            return self._settled(depth, places, touching, memory, cold, careful)
+        except NoEquilibriumError as error:
+            if not isinstance(self.tangential, Coulomb):
+                raise
+            try:
+                return self._creeping(self.tangential, depth, places, touching, memory)
+            except NoEquilibriumError:
+                raise error from None
+
+    def _creeping(
+        self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory
+    ) -> State:
+        """Return the equilibrium with friction that grows over ever shorter slips, each from the one before.
+
+        Nodes that stick slip by about the last of them, 1e-8 of the way from the axis to the rim.
+        """
+        creep, part = _FIRST_CREEP * self.sheet.reach, _LESS_CREEP
+
+        def rubbing(creep: float) -> Press:
+            return replace(self, tangential=replace(friction, creep=creep))
+
+        state = rubbing(creep)._settled(depth, places, touching, memory)
+        while creep > _LAST_CREEP * self.sheet.reach:
+            # What sticks is to rub as much after the shorter slip.
+            away = np.where(state.memory.sticking[:, None], state.memory.places - memory.origins, 0.0)
+            away -= (away * state.memory.normal).sum(axis=1)[:, None] * state.memory.normal
+            start = state.places - (1.0 - part) * away
+            try:
+                state = rubbing(part * creep)._settled(depth, start, state.touching, memory)
+            except NoEquilibriumError:
+                if part > _LEAST_CHANGE:
+                    raise
+                part **= 0.5
+                continue
+            creep *= part
+        return state
+
+    def _settled(
+        self,
+        depth: float,
+        places: Array,
+        touching: Flags,
+        memory: Memory,
+        cold: bool = False,
+        careful: bool = False,
+    ) -> State:
+        """Return the equilibrium at which Newton's method settles. Raises NoEquilibriumError."""
         anchors = landings(memory, self.punch, depth)
         grip = self.tangential.begin(memory, anchors)
         touching = touching & self._movable
