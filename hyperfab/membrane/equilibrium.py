@@ -138,8 +138,7 @@ class Press:
         try:
             return self._settled(depth, places, touching, memory, cold, careful)
         except NoEquilibriumError as error:
-            # In a sheet mounted slack it is folds that do not settle: shorter steps lead further there.
-            if not isinstance(self.tangential, Coulomb) or self.sheet.prestretch < 1.0:
+            if not isinstance(self.tangential, Coulomb):
                 raise
             try:
                 return self._creeping(self.tangential, depth, places, touching, memory)

@@ -121,7 +121,8 @@ def cold_start(press: Press, depth: float) -> State:
         state = free.equilibrium(depth, places, touching, cold=True)
     except NoEquilibriumError:
         state = free.equilibrium(depth, places, touching, cold=True, careful=True)
-    if not press.tangential.remembers:
+    # A sheet that hangs slack over the punch does not rub.
+    if not press.tangential.remembers or state.force == 0.0:
         return state
     return press.equilibrium(depth, state.places, state.touching)
 

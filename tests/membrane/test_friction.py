@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,7 +14,7 @@ from hyperfab.membrane.contact import Frictionless, Memory
 from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
-from hyperfab.membrane.path import follow
+from hyperfab.membrane.path import cold_start, follow
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work
@@ -159,6 +160,15 @@ def test_small_patches_where_some_nodes_stick_and_some_slip_are_followed(prestre
         assert all(_in_the_cone(press, state) for state in path.states)
         forces.append(path.states[-1].force)
     assert forces[0] == pytest.approx(forces[1], rel=2e-4)
+
+
+def test_a_sheet_that_hangs_slack_does_not_rub(monkeypatch):
+    """Mounted at 0.95 it is taut from about 30 mm on: at 9 mm no friction is asked for, where none could settle."""
+    free = rough_path(_test(Frictionless(), 0.95), [9.0])[0]
+    monkeypatch.setattr(Coulomb, "begin", lambda *_: pytest.fail("friction without a normal force"))
+    state = cold_start(replace(free, tangential=Coulomb(0.3)), 9.0)
+    assert state.force == 0.0
+    assert not state.touching.any()
 
 
 def test_friction_that_grows_over_a_short_way_leads_to_the_sharp_law():
