@@ -65,8 +65,13 @@ class Job:
             own = data.get("setup", {})
             hashes = {file.name: file.sha256 for file in self.inputs.files}
             data = document.to_json(case.setup(hashes, known | own) | own)
+        # A document behind the model is one to open: its place counts.
+        places = {file.name: relative_name(file.name, output.target) for file in self.inputs.files}
+        place = _Seen({name: seen for name, seen in places.items() if name not in (seen, "-")})
         data = {
-            key: value if key in ("setup", "files", "provenance") else self.named(value)
+            key: value
+            if key in ("setup", "files", "provenance")
+            else (place if key == "upstream" else self).named(value)
             for key, value in data.items()
         }
         if self.like is not None:

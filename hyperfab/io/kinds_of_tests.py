@@ -26,6 +26,8 @@ TESTS = (
 #: Whether a test is told to be a compression; perhaps, where words say it that may be of what is tested; pulled, where
 #: it is told to be a pull.
 Pressed = Literal["no", "perhaps", "yes", "pulled"]
+#: Tests that an option of that name takes.
+_OPTIONS = ("uniaxial", "shear", "biaxial", "volumetric")
 #: Tests by the letters that papers give them, where a file states its test.
 _LETTERS = {
     "ut": "uniaxial", "uc": "compression", "ps": "shear", "et": "biaxial", "eb": "biaxial", "ebt": "biaxial",
@@ -89,7 +91,9 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
                 f"says the test is {known[text]}, but it was given as {given}",
                 file=sheet.name,
                 line=line,
-                remedy="give the file without the option, for it says which test each is, or correct what it says",
+                remedy=f"give it as --{plain}, or correct the line"
+                if plain in _OPTIONS and sheet.over is None
+                else "give the file without the option, for it says which test each is, or correct what it says",
             )
     count = len(sheet.lines)
     if texts:

@@ -89,7 +89,7 @@ def test_the_summary_tells_it(traced: tuple[Path, dict[str, Any]]) -> None:
     lines = [line for line in traced[1]["summary"] if line.startswith("Upstream:")]
     assert len(lines) == 1
     assert "foam is off" in lines[0]
-    assert "loop.upstream.toml is ../foam.toml put right: hf press-contact" in lines[0]
+    assert "loop.upstream.toml is foam.toml put right: hf press-contact" in lines[0]
 
 
 def test_only_a_press_or_a_drape_is_traced(hf: Run, traced: tuple[Path, dict[str, Any]]) -> None:

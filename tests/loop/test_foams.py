@@ -104,7 +104,7 @@ def closed(makes: Makes) -> tuple[FabricProblem, Finding]:
     return problem, close(problem, design=False)
 
 
-SLOW = ("mullins", "hysteresis")
+SLOW = ("mullins", "hysteresis", "thermal-softening")
 
 
 @pytest.mark.parametrize(
