@@ -124,6 +124,7 @@ def test_the_written_foam_answers_as_the_loop_foretold(richer: tuple[Path, dict,
     assert json.loads((folder / "press.json").read_text())["force_N"] > 0.0
 
 
+@pytest.mark.slow
 def test_softening_with_heat_is_a_foam_at_each_temperature(hf: Run, tmp_path: Path) -> None:
     given = {"mu1_MPa": 0.03, "alpha1": 9.0, "nu1": 0.1, "mu2_MPa": 0.02, "alpha2": -1.5, "nu2": 0.3}
     found, model = closed(hf, tmp_path, "hyperfoam-2", given, hot=0.004)

@@ -131,6 +131,7 @@ def test_a_force_goes_with_the_thickness_and_with_all_stiffness(made: Any) -> No
     assert euler["thickness_mm"] == pytest.approx(found["force_N"] / 0.6, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_few_specimens_widen_the_interval(made: Any) -> None:
     for freedom, wide in ((2, 4.302653), (0, 1.959964), (9, 2.262157)):
         found = made(CONTACT, fabric_json=material(scaled(0.03), freedom))

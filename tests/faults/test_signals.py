@@ -37,6 +37,8 @@ LONG = {
 }  # fmt: skip
 #: Where SIGTERM is tried by default, which goes the way of Ctrl-C: an iteration of ours, and a child that meshes.
 SOME = ("drape", "mold-heat")
+#: All, those not among these where there is time.
+OFTEN = [pytest.param(name, marks=() if name in SOME else pytest.mark.slow) for name in LONG]
 
 
 @pytest.fixture
@@ -146,14 +148,12 @@ def check(command: str, folder: Path, number: signal.Signals, after: float, grou
     assert {path.name for path in folder.iterdir()} - {".stderr"} == before
 
 
-@pytest.mark.parametrize("command", LONG)
+@pytest.mark.parametrize("command", OFTEN)
 def test_ctrl_c_ends_the_command(command: str, folder: Path) -> None:
     check(command, folder, signal.SIGINT, 3.0, group=True)
 
 
-@pytest.mark.parametrize(
-    "command", [pytest.param(name, marks=() if name in SOME else pytest.mark.slow) for name in LONG]
-)
+@pytest.mark.parametrize("command", OFTEN)
 def test_sigterm_ends_the_command(command: str, folder: Path) -> None:
     check(command, folder, signal.SIGTERM, 2.0, group=False)
 

@@ -61,6 +61,7 @@ def test_a_taut_sheet_has_slipped_before_it_is_pressed():
     assert work(outcome) == pytest.approx(last.state.energy - mounted, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_no_slip_is_the_rigid_clamp_bit_for_bit():
     first, again = (
         _pressed(0.0).solved[-1].state,

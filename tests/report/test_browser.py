@@ -262,7 +262,9 @@ def test_the_page_prints_its_pictures_in_place_of_views(opened: Any) -> None:
     assert shown == "none"
 
 
-@pytest.mark.parametrize("width", [680, 700])  # what A4 and Letter leave between their margins
+@pytest.mark.parametrize(
+    "width", [680, pytest.param(700, marks=pytest.mark.slow)]
+)  # what A4 and Letter leave between their margins
 def test_charts_drawn_for_a_window_are_whole_on_paper(opened: Any, width: int) -> None:
     box = drawn(opened, "main .plot")
     opened.execute_cdp_cmd(
