@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
+from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.replicates import replicates
@@ -37,8 +38,6 @@ from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 
-#: Rows a turn of a test that could be done next, and how it may be led.
-_POINTS, _MODES = 60, ("uniaxial", "shear", "biaxial")
 #: Rows that are enough to find the valley of a law's constants; the loop's own fit sees all.
 _VALLEY = 240
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
@@ -304,104 +303,3 @@ def _best_by_law(
     given[: sets * len(values)] = np.tile(values, sets)
     held: NDArray[np.bool_] = np.array([constant.low == constant.high for constant in own])
     return (np.where(held, [constant.value for constant in own], given),)
-
-
-def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], TestCurve]]:
-    """Yield tests that could be done next: what to say, what to do, and the test as the models see it (stress zero)."""
-    path, _ = path_of(tests)
-    pressed = bool(np.all(path.pressed))
-    reach = float(np.min(path.stretch) if pressed else np.max(path.stretch)) - 1.0
-    speeds = [speed for test in tests if (speed := _speed(test)) is not None]
-    pace = float(np.exp(np.median(np.log(speeds)))) if speeds else 0.01
-    slow, fast = pace / 16.0, pace * 16.0
-    temperatures = [float(np.mean(t.temperature_degC)) for t in tests if t.temperature_degC is not None]
-    usual = float(np.median(temperatures)) if temperatures else 23.0
-    first = tests[0]
-    angle = first.direction or 0.0
-    mode = first.mode if first.mode in _MODES else "uniaxial"
-    half, full = 1.0 + 0.55 * reach, 1.0 + reach
-    steps = [half, 1.0, half, 1.0, full, 1.0, full, 1.0]
-    loop = [full, 1.0]
-
-    def one(
-        what: str,
-        turns: list[float],
-        rate: float,
-        *,
-        at: float = usual,
-        along: float = angle,
-        kind: str = mode,
-        hold: float = 0.0,
-    ) -> tuple[str, Mapping[str, Any], TestCurve]:
-        details = {
-            "test": kind,
-            "direction_deg": along,
-            "temperature_degC": at,
-            "rate_1_s": rate,
-            "stretch_turns": turns,
-            "hold_s": hold,
-        }
-        return what, details, _made(what, details, bool(speeds), bool(temperatures))
-
-    yield one(
-        "cycles to about half the stretch and back, twice, then to the full stretch and back, twice",
-        steps,
-        pace,
-    )
-    yield one("two full cycles at a sixteenth of the rate", [*loop, *loop], slow)
-    yield one("two full cycles at sixteen times the rate", [*loop, *loop], fast)
-    yield one(
-        "a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * abs(reach) / pace
-    )
-    yield one("a cycle at a temperature 40 K higher", loop, pace, at=usual + 40.0)
-    yield one("a cycle across the direction tested", loop, pace, along=(angle + 90.0) % 180.0)
-    yield one("a cycle 45 degrees from the warp", loop, pace, along=45.0)
-    for kind in _MODES:
-        if kind != mode:
-            yield one(f"a {kind} test to the same stretch", [full], pace, kind=kind)
-    if not pressed:
-        yield one("a pull half as far again", [1.0 + 1.5 * reach], pace)
-    yield one(
-        "a slow pull through the first tenth of the stretch, read closely",
-        [1.0 + 0.1 * reach, 1.0],
-        pace / 4.0,
-    )
-
-
-def _speed(test: TestCurve) -> float | None:
-    if test.rate_1_s is not None and np.all(np.asarray(test.rate_1_s) > 0.0):
-        return float(np.median(test.rate_1_s))
-    if test.time_s is None or not np.all(np.isfinite(test.time_s)):
-        return None
-    span = float(test.time_s[-1] - test.time_s[0])
-    moved = float(np.sum(np.abs(np.diff(test.stretch))))
-    return moved / span if span > 0.0 and moved > 0.0 else None
-
-
-def _made(name: str, details: Mapping[str, Any], timed: bool, warmed: bool) -> TestCurve:
-    """Return the test of these details; ``timed`` and ``warmed`` where those measured so far state it."""
-    hold = details["hold_s"]
-    stretch, time = [np.array([1.0])], [np.array([0.0])]
-    here, now = 1.0, 0.0
-    for number, turn in enumerate(details["stretch_turns"]):
-        way = np.linspace(here, turn, _POINTS + 1)[1:]
-        stretch.append(way)
-        time.append(now + np.abs(way - here) / details["rate_1_s"])
-        now = float(time[-1][-1])
-        here = turn
-        if number == 0 and hold > 0.0:
-            wait = hold * np.linspace(0.0, 1.0, _POINTS + 1)[1:] ** 3
-            stretch.append(np.full(_POINTS, turn))
-            time.append(now + wait)
-            now += hold
-    lam = np.concatenate(stretch)
-    return TestCurve(
-        mode=details["test"],
-        stretch=lam,
-        stress=np.zeros_like(lam),
-        time_s=np.concatenate(time) if timed else None,
-        temperature_degC=np.full_like(lam, details["temperature_degC"]) if warmed else None,
-        direction=details["direction_deg"],
-        source=name,
-        specimen=f"next: {name}",
-    )

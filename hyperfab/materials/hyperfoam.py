@@ -1,4 +1,4 @@
-"""Hyperfoam, the compressible law of Ogden, Hill and Storakers, in every test of a foam, and its constants from them.
+"""Hyperfoam, the compressible law of Ogden, Hill and Storakers, in every test of a foam.
 
 ``W = sum_i 2 mu_i/alpha_i^2 [l1^a + l2^a + l3^a - 3 + (J^(-a beta_i) - 1)/beta_i]`` with ``a = alpha_i`` and
 ``beta_i = nu_i/(1 - 2 nu_i)``. B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, doi:10.1016/0022-5096(86)90033-5;
@@ -10,13 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import Term, Value
@@ -27,12 +25,8 @@ ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}
 TESTS = (
     "uniaxial", "confined-compression", "shear", "simple-shear", "biaxial", "biaxial-general", "volumetric",
 )  # fmt: skip
-#: Where constants are sought: stresses over the largest one measured, exponents, Poisson's ratios.
-_MU, _ALPHA, _NU = 30.0, 60.0, (-0.9, 0.499)
-#: Starts of the search, drawn the same each time, rows a test it is done on, and optima that are followed to the end.
-_STARTS, _ROWS, _POLISHED = 48, 40, 3
-#: What the square sum of signed terms and negative ratios counts beside that of positive ones.
-_DEARER = 1.05
+#: Where constants are sought: exponents, Poisson's ratios.
+ALPHAS, RATIOS = (-60.0, 60.0), (-0.9, 0.499)
 #: Newton's steps to the strains of free sides, and the largest of them.
 _STEPS, _STEP = 60, 0.5
 
@@ -183,9 +177,7 @@ class HyperfoamLaw(Law):
         self.linear = tuple(f"mu{i + 1}_MPa" for i in range(n))
         self.nonlinear = tuple(f"{name}{i + 1}" for name in ("alpha", "nu") for i in range(n))
         self.bounds = {
-            f"{name}{i + 1}": ends
-            for name, ends in (("alpha", (-_ALPHA, _ALPHA)), ("nu", _NU))
-            for i in range(n)
+            f"{name}{i + 1}": ends for name, ends in (("alpha", ALPHAS), ("nu", RATIOS)) for i in range(n)
         }
 
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
@@ -195,10 +187,6 @@ class HyperfoamLaw(Law):
         except ValueError as error:
             return str(error)
         return None
-
-    def nearest(self, own: Mapping[str, float], tests: Sequence[TestCurve]) -> dict[str, float]:
-        """Return the constants whose stresses are of least squares in ``tests``, all else as ``own``."""
-        return identify(tests, len(self.linear), Hyperfoam.of(own)).parameters
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> Sequence[Term]:
         """Raise TypeError: the sides of a foam are free by all its terms, not by each."""
@@ -278,143 +266,3 @@ class Rows:
             moved = -np.einsum("i,nik->nk", self.free, change) / stiff[:, None]
             change = change + np.einsum("nij,j,nk->nik", D, self.free, moved)
         return np.einsum("i,nik->nk", self.along, change) / self.lever[:, None], moved
-
-
-def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = None) -> Hyperfoam:
-    """Return the constants of least squares that are stable at every state of the tests.
-
-    Terms of either sign and negative Poisson's ratios are tried, and taken where they are stable and better, by more
-    than noise makes, than positive ones, whose stability is sure. With ``near`` its exponents and ratios are kept and
-    stresses alone are sought.
-    """
-    every = _Sought(tests, terms)
-    if near is not None:
-        return every.stresses(near)
-    fewer = _Sought([one.thinned(_ROWS) for one in tests], terms)
-    random = np.random.default_rng(1979)
-    best: list[tuple[float, Hyperfoam]] = []
-    for signed in (False, True):
-        found = [fewer.polished(fewer.drawn(random, signed), signed, 60) for _ in range(_STARTS)]
-        # One of each optimum that was reached, and of terms of either sign those alone that are stable.
-        sound = {
-            round(float(np.log(max(error, 1e-300))), 3): law for error, law in found if fewer.stable(law)
-        }
-        for _, law in sorted(sound.items(), key=lambda one: one[0])[:_POLISHED]:
-            error, law = every.polished(every.vector(law), signed, 400)
-            if every.stable(law):
-                best.append((error * (_DEARER if signed else 1.0), law))
-    _, law = min(best, key=lambda one: one[0])
-    order = sorted(range(terms), key=lambda i: -law.alpha[i])
-    return Hyperfoam(*(tuple(values[i] for i in order) for values in (law.mu, law.alpha, law.nu)))
-
-
-@dataclass(frozen=True)
-class _Sought:
-    """Constants as a vector z: stresses over the largest one measured, exponents, ratios."""
-
-    tests: Sequence[TestCurve]
-    terms: int
-
-    @cached_property
-    def scale(self) -> float:
-        """The largest stress [MPa]."""
-        return max(float(np.abs(one.stress).max()) for one in self.tests)
-
-    @cached_property
-    def rows(self) -> list[Rows]:
-        """The rows of each test in logarithmic strains."""
-        return [
-            Rows.of(one.mode, one.stretch, one.stretch2 if one.mode == "biaxial-general" else None)
-            for one in self.tests
-        ]
-
-    def vector(self, law: Hyperfoam) -> Array:
-        return np.concatenate([np.asarray(law.mu) / self.scale, law.alpha, law.nu])
-
-    def law(self, z: Array) -> Hyperfoam:
-        mu, alpha, nu = z.reshape(3, self.terms).tolist()
-        return Hyperfoam(tuple(self.scale * one for one in mu), tuple(alpha), tuple(nu))
-
-    def drawn(self, random: np.random.Generator, signed: bool) -> Array:
-        mu = np.exp(random.normal(-1.0, 1.0, self.terms))
-        mu = mu * (random.choice([1.0, 1.0, -1.0], self.terms) if signed and self.terms > 1 else 1.0)
-        return np.concatenate(
-            [mu, random.uniform(-12.0, 25.0, self.terms), random.uniform(0.0, 0.45, self.terms)]
-        )
-
-    def equations(self, law: Hyperfoam) -> tuple[Array, Array]:
-        """Return weighted errors and their derivatives by z."""
-        errors, slopes = [], []
-        unit = np.concatenate([np.full(self.terms, self.scale), np.ones(2 * self.terms)])
-        for one, rows in zip(self.tests, self.rows, strict=True):
-            e = rows.strain(law)
-            change, moved = rows.slopes(law, e)
-            errors.append((rows.stress(law, e) - one.stress) * one.weights)
-            slopes.append(change * one.weights[:, None] * unit)
-            if one.contraction is not None and one.weight2 is not None:
-                across = np.exp(e[:, 2])
-                errors.append((across - one.contraction) * one.weight2)
-                slopes.append((across * one.weight2)[:, None] * moved * unit)
-        return np.concatenate(errors), np.concatenate(slopes)
-
-    def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
-        """Return the optimum near a start, and half its square sum."""
-        from scipy.optimize import least_squares  # 0.3 s to load: only a fit of foam needs it
-
-        # A single term below zero is no foam.
-        bounds = (-_MU if signed and self.terms > 1 else 0.0, -_ALPHA, _NU[0] if signed else 0.0)
-        least = np.repeat(bounds, self.terms)
-        most = np.repeat([_MU, _ALPHA, _NU[1]], self.terms)
-        last: dict[bytes, tuple[Array, Array]] = {}
-
-        def both(z: Array) -> tuple[Array, Array]:
-            if z.tobytes() not in last:
-                last.clear()
-                error, slope = self.equations(self.law(z))
-                last[z.tobytes()] = np.nan_to_num(np.clip(error, -1e6, 1e6), nan=1e6), np.nan_to_num(slope)
-            return last[z.tobytes()]
-
-        with np.errstate(all="ignore"):
-            found = least_squares(
-                lambda z: both(z)[0],
-                np.clip(start, least + 1e-9, most - 1e-9),
-                jac=lambda z: both(z)[1],
-                bounds=(least, most),
-                x_scale=np.repeat([0.3, 5.0, 0.1], self.terms),
-                xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=steps,
-            )  # fmt: skip
-        return float(found.cost), self.law(found.x)
-
-    def stresses(self, near: Hyperfoam) -> Hyperfoam:
-        """Return ``near`` with stresses of least squares, each at least zero where it was above zero."""
-        from scipy.optimize import least_squares
-
-        positive = min(near.mu) >= 0.0
-        least = np.full(self.terms, 0.0 if positive else -_MU)
-        kept = self.vector(near)[self.terms :]
-
-        def both(z: Array) -> tuple[Array, Array]:
-            error, slope = self.equations(self.law(np.concatenate([z, kept])))
-            return np.nan_to_num(error, nan=1e6), np.nan_to_num(slope[:, : self.terms])
-
-        # All stresses times one factor leave the strains as they are: that factor first.
-        model = np.concatenate(
-            [
-                one.weights * rows.stress(near, rows.strain(near))
-                for one, rows in zip(self.tests, self.rows, strict=True)
-            ]
-        )
-        there = np.concatenate([one.weights * one.stress for one in self.tests])
-        start = max(float(model @ there / (model @ model)), 1e-6) * np.asarray(near.mu) / self.scale
-        with np.errstate(all="ignore"):
-            found = least_squares(
-                lambda z: both(z)[0], np.clip(start, least + 1e-12, _MU - 1e-9), jac=lambda z: both(z)[1],
-                bounds=(least, np.full(self.terms, _MU)), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200,
-            )  # fmt: skip
-        law = self.law(np.concatenate([found.x, kept]))
-        return law if positive or self.stable(law) else self.law(np.concatenate([start, kept]))
-
-    def stable(self, law: Hyperfoam) -> bool:
-        """Whether the law is stable from rest to every state of the tests."""
-        with np.errstate(all="ignore"):
-            return all(bool(law.stable(rows.strain(law)).all()) for rows in self.rows)

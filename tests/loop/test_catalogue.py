@@ -14,7 +14,8 @@ from hyperfab.loop import catalogue
 from hyperfab.loop.catalogue import contact, drape, fabric, heat, press
 from hyperfab.loop.drape import places
 from hyperfab.loop.emulator import Axis
-from hyperfab.loop.fabric import fabric_problem, menu
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.heat import _MENU
 from hyperfab.loop.problem import Form
 from hyperfab.materials import laws

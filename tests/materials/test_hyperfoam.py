@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import minimize
 
 from hyperfab.curve import TestCurve
-from hyperfab.materials.hyperfoam import TESTS, Hyperfoam, Rows, identify
+from hyperfab.materials.hyperfoam import TESTS, Hyperfoam, Rows
+from hyperfab.materials.identification.hyperfoam import identify
 from hyperfab.pressing import foam_law
 
 MIXED = Hyperfoam((0.1, 0.05, -0.01), (8.0, -2.0, 3.0), (0.1, 0.3, 0.2))

@@ -17,6 +17,7 @@ from hyperfab.materials.effects.thermal_softening import LAWS
 from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
+from hyperfab.materials.identification.hyperfoam import nearest_foam
 from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law, scaled
 from hyperfab.materials.registry import bind, law_of
@@ -103,7 +104,8 @@ def nearest(
     constants = np.array([own[name] for name in law.names])
     stress = Fabric(law, pull, 0.0).stress(constants, None, terms)
     weight = np.full_like(stress, 1.0 / float(np.max(np.abs(stress))))
+    tests = [TestCurve("uniaxial", pull.stretch, stress, weight)]
     if isinstance(law, HyperfoamLaw):
-        return law.nearest(own, [TestCurve("uniaxial", pull.stretch, stress, weight)])
-    near = fit_law(LawProblem(law, Rows.of([TestCurve("uniaxial", pull.stretch, stress, weight)])))
+        return nearest_foam(own, tests)
+    near = fit_law(LawProblem(law, Rows.of(tests)))
     return dict(own) if near is None else {name: near.material.parameters[name] for name in law.names}

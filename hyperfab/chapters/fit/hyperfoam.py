@@ -17,7 +17,8 @@ from hyperfab.chapters.fit.whole import Answer, WholeFit
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
-from hyperfab.materials.hyperfoam import Hyperfoam, Rows, identify
+from hyperfab.materials.hyperfoam import Hyperfoam, Rows
+from hyperfab.materials.identification.hyperfoam import identify
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
