@@ -124,7 +124,7 @@ def _gap(search: Search, best: Candidate, state: Candidate | None) -> float:
     """Return how much worse a model does on the data than the best by BIC, infinitely where it leaves much more."""
     if state is None:
         return np.inf
-    bic = common_bic([best.fit, state.fit], search.problem)
+    bic = common_bic([best.fit, state.fit], search.problem, search.noise)
     small = np.sqrt(max(state.excess - 1.0, 0.0)) < 0.6 + np.sqrt(max(best.excess - 1.0, 0.0))
     return float(bic[state.ids] - bic[best.ids]) if small else np.inf
 

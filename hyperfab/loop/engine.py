@@ -188,7 +188,7 @@ def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[s
             grown = idle
         if not grown:
             break
-        bic = common_bic([state.fit for state in grown.values()], search.problem)
+        bic = common_bic([state.fit for state in grown.values()], search.problem, search.noise)
         order = sorted(grown.values(), key=lambda state: bic[state.ids])
         beam = order[:_BEAM]
         passing = [state for state in order if frozenset(state.ids) in accepted]

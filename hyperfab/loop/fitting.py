@@ -114,7 +114,7 @@ def descent(
     """
     names = tuple((effect, form.name) for effect, form in forms.items())
     begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
-    key = (names, begins, hash(noise.sd.tobytes()), iterations, coarse)
+    key = (names, begins, hash(noise.sd.tobytes()), noise.gain_sd, iterations, coarse)
     if key not in problem.descents:
         # A few steps from each start tell which of them leads on.
         tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
@@ -128,10 +128,10 @@ def descent(
 class Descent:
     """A fit under way, by Levenberg and Marquardt: where it is, and what is known there.
 
-    Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit weighs
-    rows by their standard deviations alone: in a metric that forgives each specimen its stiffness, a wrong model would
-    drift off the data. What is left is then given in the full metric of the noise. ``coarse`` stops where what can
-    still be gained no longer matters in a comparison.
+    Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit forgives
+    specimens that were led alike what they differ by in stiffness, not what they have in common: in a metric that
+    forgives that too a wrong model would drift off the data. What is left is then given in the full metric of the noise.
+    ``coarse`` stops where what can still be gained no longer matters in a comparison.
     """
 
     def __init__(
@@ -145,7 +145,8 @@ class Descent:
         coarse: bool = False,
     ) -> None:
         constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
-        self.problem, self.plain, self.forms = problem, noise.plain, forms
+        self.problem, self.forms = problem, forms
+        self.metric = noise.about_means
         self.low, self.high = _column(constants, "low"), _column(constants, "high")
         self.scale, prior_sd = _column(constants, "scale"), _column(constants, "prior_sd")
         self.centre, self.own = _column(constants, "value"), len(problem.own)
@@ -192,7 +193,7 @@ class Descent:
         if noise.gain_sd or noise.correlation:
             full = noise.at(value)
             left = full.whiten(self.target - value)
-            jacobian = full.whiten(jacobian * self.plain.sd[:, None])
+            jacobian = full.whiten(self.metric.coloured(jacobian))
         precision = jacobian.T @ jacobian + np.diag(self.prior)
         chi2 = float(left @ left)
         return Fit(forms, x, value, left, jacobian, precision, chi2, self.cost, self.prior, self.own)
@@ -286,13 +287,13 @@ class Descent:
             return value, value, np.inf
         # A model that has run away misses by more than a number can hold: infinitely.
         with np.errstate(over="ignore"):
-            left = self.plain.whiten(self.target - value)
+            left = self.metric.whiten(self.target - value)
             return value, left, float(left @ left)
 
     def _ask(self) -> None:
         """Ask for the slopes where the descent is, by one-sided differences."""
         self.jacobian = _jacobian(
-            self.problem, self.forms, self.x, self.value, self.scale, self.low, self.high, self.plain
+            self.problem, self.forms, self.x, self.value, self.scale, self.low, self.high, self.metric
         )
         self.serves = self.exact = True
 

@@ -173,17 +173,35 @@ def correlation_time(residual: Array, curves: Sequence[Curve]) -> float:
     return total
 
 
-def common_bic(fits: Sequence[Fit], problem: Problem) -> Mapping[tuple[str, ...], float]:
+def common_bic(fits: Sequence[Fit], problem: Problem, noise: Noise) -> Mapping[tuple[str, ...], float]:
     """Return BIC of several models, by their effects, on one scale: that of the best fit among them."""
     best = min(fits, key=lambda one: one.chi2)
-    channel = problem.channel
     time = correlation_time(best.residual, problem.curves)
     count = max(len(best.residual) / time, 3.0)
-    return {
-        tuple(one.forms): (scaled_chi2(one, best, channel) + prior_misfit(one, best, problem)) / time
-        + len(one.x) * float(np.log(count))
-        for one in fits
-    }
+    return {tuple(one.forms): misfit(one, best, problem, noise, time) + price(one, count) for one in fits}
+
+
+def misfit(fitted: Fit, best: Fit, problem: Problem, noise: Noise, time: float) -> float:
+    """Return minus twice the logarithm of likelihood, as chi-squared, where ``time`` readings count as one.
+
+    But for how far specimens are off in stiffness: each tells that by itself. What ``best`` leaves counts as noise.
+    """
+    alike = scaled_chi2(fitted, best, problem.channel) + prior_misfit(fitted, best, problem)
+    if not noise.gain_sd:
+        return alike / time
+    off, least = (noise.at(one.predicted).along_stiffness(one.residual) for one in (fitted, best))
+    stress = problem.channel == 0
+    alike -= float(off @ off) / max(float(np.mean(best.residual[stress] ** 2)), 1.0)
+    return alike / time + float(off @ off) / max(float(np.mean(least**2)), 1.0)
+
+
+def price(fitted: Fit, count: float) -> float:
+    """Return what the constants cost in BIC: the logarithm of the readings each is known from.
+
+    That are all, ``count`` of them that tell by themselves, or of a constant of each specimen its own.
+    """
+    own = [len(form.constants) for form in fitted.forms.values() if form.of_each]
+    return float(len(fitted.x) * np.log(count) - sum(many * np.log(min(many, count)) for many in own))
 
 
 def prior_misfit(fitted: Fit, best: Fit, problem: Problem) -> float:

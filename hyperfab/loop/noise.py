@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -35,7 +35,8 @@ class Noise:
     ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``correlation`` that between
     neighbouring rows of a curve. ``whiten`` takes both out, so that noise becomes unit and uncorrelated.
     ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
-    rows of each specimen, ``alike`` the specimens of each way of testing.
+    rows of each specimen, ``alike`` the specimens of each way of testing; where these are ``centred`` they scatter
+    about a mean of their own, which is told.
     """
 
     sd: Array
@@ -49,11 +50,17 @@ class Noise:
     alike: tuple[tuple[int, ...], ...] = ()
     pattern: Array = field(default_factory=lambda: np.empty(0))
     measured: Array = field(default_factory=lambda: np.empty(0))
+    centred: bool = False
 
     @property
     def plain(self) -> Noise:
         """The noise without what rows have in common."""
         return replace(self, gain_sd=0.0, correlation=0.0)
+
+    @property
+    def about_means(self) -> Noise:
+        """The noise of which what specimens led alike have in common is no part: they scatter about their mean."""
+        return replace(self, correlation=0.0, centred=True)
 
     def among(self, predicted: Array, gain_sd: float) -> Noise:
         """Return the noise of specimens that scatter so much in proportion to a prediction.
@@ -97,10 +104,40 @@ class Noise:
             scaled = self._along(scaled)
         if self.gain_sd:
             scaled = scaled.copy()
-            for rows, shape, shrink in self._shapes():
-                part = scaled[rows]
-                scaled[rows] = part - shrink * np.multiply.outer(shape, shape @ part)
+            for rows, shape, less in self._about_means(scaled) if self.centred else self._about_model(scaled):
+                scaled[rows] -= np.multiply.outer(shape, less)
         return scaled
+
+    def coloured(self, whitened: Array) -> Array:
+        """Return columns (rows, k) that were whitened as they were, of noise about means."""
+        values = whitened.copy()
+        if self.gain_sd:
+            for rows, shape, less in self._about_means(whitened, 0.5):
+                values[rows] -= np.multiply.outer(shape, less)
+        return values * self.sd[:, None]
+
+    def _about_model(self, scaled: Array) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
+        """Yield the rows of each specimen, the shape of its stiffness, and how much of that is scatter."""
+        for rows, shape, shrink in self._shapes():
+            yield rows, shape, shrink * (shape @ scaled[rows])
+
+    def _about_means(
+        self, scaled: Array, power: float = -0.5
+    ) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
+        """Yield the same where those led alike scatter about their mean; to another power of their covariance."""
+        shapes = self._shapes()
+        for which in self.alike:
+            own = [shapes[k] for k in which]
+            wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
+            about = np.eye(len(own)) - 1.0 / len(own)
+            sizes, ways = np.linalg.eigh(np.eye(len(own)) + np.outer(wide, wide) * about)
+            along = np.stack([shape @ scaled[rows] for rows, shape, _ in own])
+            less = along - (ways * sizes**power) @ (ways.T @ along)
+            yield from ((rows, shape, one) for (rows, shape, _), one in zip(own, less, strict=True))
+
+    def along_stiffness(self, whitened: Array) -> Array:
+        """Return what of whitened values (rows) is as another stiffness would be, of each specimen."""
+        return np.array([float(shape @ whitened[rows]) for rows, shape, _ in self._shapes()])
 
     def stiffness(self, whitened: Array, miss: float) -> Array:
         """Return what of whitened values (rows) is as another stiffness would be, of each way of testing.
@@ -109,10 +146,11 @@ class Noise:
         scatter by, and of a smooth ``miss`` (in standard deviations of a reading) of any model.
         """
         widest = replace(self, gain_sd=max(self.gain_sd, self.gain_doubt))
-        off, variance, missed = np.empty((3, len(self.groups)))
+        off = self.along_stiffness(whitened)
+        variance, missed = np.empty((2, len(self.groups)))
         for k, (one, other) in enumerate(zip(self._shapes(), widest._shapes(), strict=True)):
-            rows, shape, shrink = one
-            off[k] = float(shape @ whitened[rows]) / (1.0 - shrink)
+            rows, _, shrink = one
+            off[k] /= 1.0 - shrink
             variance[k] = 1.0 / (1.0 - other[2]) ** 2
             missed[k] = miss * np.sqrt(len(rows))
         each = [list(which) for which in self.alike]

@@ -6,16 +6,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit, inverse
 from hyperfab.loop.heldout import help_of
-from hyperfab.loop.judge import correlation_time, prior_misfit, scaled_chi2
+from hyperfab.loop.judge import correlation_time, misfit, price
 from hyperfab.loop.noise import Noise, with_misfit
-from hyperfab.loop.problem import Effect, Form, Problem
+from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
-from hyperfab.loop.thresholds import MARGIN, TOLD
+from hyperfab.loop.thresholds import MARGIN, TOLD, UNLIKELY
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4
@@ -135,7 +136,6 @@ class Search:
                 and not form.free
                 and len(form.constants) <= most
                 and (found := self._joint(parent, effect, form, best)) is not None
-                and not (form.of_each and _is_of_few(found, effect.id))
             ]
             better = self.lowest([best, *richer])
             if better is best:
@@ -199,10 +199,8 @@ class Search:
                 break
             found = min(richer, key=lambda one: one.chi2)
             time = correlation_time(found.residual, self.problem.curves)
-            gain = scaled_chi2(best, found, self.problem.channel) - scaled_chi2(
-                found, found, self.problem.channel
-            )
-            if gain / time < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
+            gain = self._misfit(best, found, time) - self._misfit(found, found, time)
+            if gain < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
                 break
             best = found
         return best
@@ -229,15 +227,16 @@ class Search:
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
         best = min(fits, key=lambda one: one.chi2)
-        channel = self.problem.channel
         time = correlation_time(best.residual, self.problem.curves)
         count = max(len(best.residual) / time, 3.0)
 
         def bic(one: Fit) -> float:
-            misfit = (scaled_chi2(one, best, channel) + prior_misfit(one, best, self.problem)) / time
-            return misfit + len(one.x) * (np.log(count) + MARGIN / 4.0)
+            return self._misfit(one, best, time) + price(one, count) + len(one.x) * MARGIN / 4.0
 
         return min(fits, key=bic)
+
+    def _misfit(self, fitted: Fit, best: Fit, time: float) -> float:
+        return misfit(fitted, best, self.problem, self.noise, time)
 
     def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
         forms = {**parent.forms, effect.id: form}
@@ -260,7 +259,7 @@ class Search:
             own = [constant.value for constant in self.problem.own]
             starts += [np.concatenate([own, start[len(own) :]]) for start in starts]
         best = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
-        if not np.isfinite(best.chi2):
+        if not np.isfinite(best.chi2) or (form.of_each and _is_of_few(best, effect.id, self.problem.curves)):
             return None
         self._fits[key] = best
         return best
@@ -270,18 +269,15 @@ class Search:
         if not smaller.ids and self._own_optimum is not None:
             smaller = self._own_optimum
         old, new = smaller.fit, larger.fit
-        channel = self.problem.channel
         time = correlation_time(new.residual, self.problem.curves)
-        gain = scaled_chi2(old, new, channel) - scaled_chi2(new, new, channel)
-        gain += prior_misfit(old, new, self.problem) - prior_misfit(new, new, self.problem)
+        gain = self._misfit(old, new, time) - self._misfit(new, new, time)
         gone = old.chi2 - new.chi2
         total = max(old.chi2 - len(old.residual), gone, 1e-9)
         count = max(len(new.residual) / time, 3.0)
-        more = len(new.x) - len(old.x)
         known = [np.arange(c.start, c.stop) for c in self.problem.curves if c.beforehand]
         back = sum(float(np.sum(old.residual[rows] ** 2 - new.residual[rows] ** 2)) for rows in known)
         return Evidence(
-            delta_bic=gain / time - more * float(np.log(count)),
+            delta_bic=gain + price(old, count) - price(new, count),
             variance_share=gone / total,
             help=help_of(smaller.held_out, larger.held_out, old.residual**2 - new.residual**2),
             certain=self._certain(smaller, larger),
@@ -307,7 +303,7 @@ class Search:
             together = float(away_signed @ inverse(covariance, 1e-10) @ away_signed)
             if not np.any(away > TOLD * sd) and together < TOLD**2 + TOLD * len(sd):
                 return False
-            if form.of_each and _is_of_few(new, name):
+            if form.of_each and _is_of_few(new, name, self.problem.curves):
                 return False
         return True
 
@@ -328,22 +324,31 @@ class Search:
         return sorted(found, key=lambda pair: -pair[1].delta_bic)
 
 
-def _is_of_few(fitted: Fit, name: str) -> bool:
+def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
     """Whether fewer than half of the specimens differ in a term that gives each of them a constant.
 
-    What one or two of them have is what the model lacks there, not an effect of its own.
+    What one or two of them have is what the model lacks there, not an effect of its own; unless they differ from those
+    that were led alike.
     """
     place = fitted.place(name)
     scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
-    values, covariance = fitted.x[place], fitted.covariance[place, place]
     # Each further one is told by what it has more than the first: what all have may be known far worse.
-    of = np.eye(len(values))
+    of = np.eye(place.stop - place.start)
     of[1:, 0] = 1.0
-    order = np.argsort(of @ values)
-    middle = order[(len(order) - 1) // 2 : len(order) // 2 + 1]
-    of -= of[middle].mean(axis=0)
-    sd = scale * np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", of, covariance, of), 0.0))
-    odd = np.abs(of @ values) > TOLD * sd
+    values, covariance = of @ fitted.x[place], scale**2 * of @ fitted.covariance[place, place] @ of.T
+    setups = np.array([curve.setup or str(k) for k, curve in enumerate(curves) if curve.channel == 0])
+    alike = setups[:, None] == setups
+    about = np.eye(len(values)) - alike / alike.sum(axis=1)
+    apart = about @ values
+    free = len(values) - len(set(setups))
+    odd = float(apart @ inverse(about @ covariance @ about.T, 1e-9) @ apart)
+    if free and chdtrc(free, odd) < UNLIKELY:
+        return False
+    order = np.argsort(values)
+    about = np.eye(len(values))
+    about -= about[order[(len(order) - 1) // 2 : len(order) // 2 + 1]].mean(axis=0)
+    sd = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", about, covariance, about), 0.0))
+    odd = np.abs(about @ values) > TOLD * sd
     return bool(np.count_nonzero(odd) < 0.5 * len(values))
 
 

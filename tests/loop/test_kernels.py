@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -289,7 +288,7 @@ def test_models_are_compared_by_schwarzs_criterion() -> None:
     problem = line(y, effects=effects)
     plain = fit(problem, WHITE, {}, [1.0, 2.0])
     richer = fit(problem, WHITE, {"bump": effects[0].forms[0]}, [1.0, 2.0, 0.1])
-    told = common_bic([plain, richer], problem)
+    told = common_bic([plain, richer], problem, WHITE)
     scale = max(richer.chi2 / COUNT, 1.0)
     time = correlation_time(richer.residual, problem.curves)
     for names, one, constants in (((), plain, 2), (("bump",), richer, 3)):
@@ -399,8 +398,7 @@ def test_a_term_gains_what_it_spares_the_readings_and_what_is_known_less_its_pri
     problem = Known(plain.measured, plain.curves, plain.own, plain.effects)
     old = fit(problem, WHITE, {}, [1.0, 2.0])
     new = fit(problem, WHITE, {"bump": problem.effects[0].forms[0]}, [1.0, 2.0, 0.8])
-    asked = SimpleNamespace(_own_optimum=None, problem=problem, _certain=lambda *_: True)
-    found = Search.evidence(asked, Candidate(problem, WHITE, old), Candidate(problem, WHITE, new))
+    found = Search(problem, WHITE).evidence(Candidate(problem, WHITE, old), Candidate(problem, WHITE, new))
     level = max(new.chi2 / COUNT, 1.0)  # what the richer one leaves counts as noise
     spared, known = old.chi2 - new.chi2, (old.cost - old.chi2) - (new.cost - new.chi2)
     assert abs(known) > 10.0

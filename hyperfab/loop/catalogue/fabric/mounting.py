@@ -28,11 +28,7 @@ def grip_slack(context: DataContext) -> Effect:
     count = len(context.path.curves)
     own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
     each = Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
-    if context.replicated:
-        # Specimens led alike show it in what each alone differs by: that of the first is what all others have less.
-        alone = np.vstack([np.where(np.arange(count) == 0, 1.0, -1.0), np.eye(count)[1:]])
-        each = replace(each, probes=tuple(map(tuple, 0.005 * reach * alone)), refines=None)
-    forms += tried_if(count > 1, each)
+    forms += tried_if(count > 1, _alone(context, each, 0.005 * reach))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
     peak = context.peak_stress
@@ -100,7 +96,7 @@ def load_offset(context: DataContext) -> Effect:
     own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
     begin = (step, *(0.0 for _ in own))
     each = Form("each", (offset, *own), (begin,), refines="constant", of_each=True)
-    forms += tried_if(count > 1, each)
+    forms += tried_if(count > 1, _alone(context, each, step))
     if context.path.knows_time:
         most = 0.1 * peak
         drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
@@ -116,3 +112,15 @@ def load_offset(context: DataContext) -> Effect:
         forms=tuple(forms),
         smooth=True,
     )
+
+
+def _alone(context: DataContext, each: Form, size: float) -> Form:
+    """Return a form with a constant for each specimen: of those led alike one that needs no simpler form before it.
+
+    They show it in what each alone differs by, of a ``size``: that of the first is what all others have less.
+    """
+    if not context.replicated:
+        return each
+    count = len(each.constants)
+    alone = np.vstack([np.where(np.arange(count) == 0, 1.0, -1.0), np.eye(count)[1:]])
+    return replace(each, probes=tuple(map(tuple, size * alone)), refines=None)

@@ -1,0 +1,86 @@
+"""Specimens led alike that differ in stiffness and in how they were mounted: the commonest there is in a laboratory."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hyperfab.curve import TestCurve
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.noise import Noise
+from hyperfab.materials.registry import law
+
+COUNT, ROWS, GAIN = 5, 50, 0.03
+
+
+def test_the_noise_of_a_term_of_each_specimen_has_the_covariance_of_its_words() -> None:
+    """White readings, and a stiffness of each specimen beside the mean of those led alike; alone, none."""
+    random = np.random.default_rng(1)
+    pattern, sd = random.uniform(0.5, 2.0, 12), random.uniform(0.01, 0.03, 12)
+    groups = tuple(np.arange(3 * k, 3 * k + 3) for k in range(4))
+    noise = Noise(sd, 10.0, "", 0.05, groups=groups, alike=((0, 1, 3), (2,)), pattern=pattern)
+    whiten = noise.about_means.whiten(np.eye(12))
+    np.testing.assert_allclose(noise.about_means.coloured(whiten), np.eye(12), atol=1e-12)
+    stiffness = np.zeros((12, 4))
+    for k, rows in enumerate(groups):
+        stiffness[rows, k] = pattern[rows]
+    about = np.eye(4)
+    about[np.ix_([0, 1, 3], [0, 1, 3])] -= 1.0 / 3.0
+    about[2, 2] = 0.0
+    covariance = np.diag(sd**2) + 0.05**2 * stiffness @ about @ stiffness.T
+    np.testing.assert_allclose(whiten @ covariance @ whiten.T, np.eye(12), atol=1e-10)
+
+
+def strip(random: np.random.Generator, celsius: float, slack: float = 0.0, offset: float = 0.0) -> TestCurve:
+    """Return a pull of a specimen of its own stiffness, 15 % softer at 80 degC."""
+    stretch = np.linspace(1.0, random.uniform(1.9, 2.1), ROWS)
+    own = np.maximum(stretch - slack, 1.0)
+    first = own**2 + 2.0 / own - 3.0
+    stress = 2.0 * (0.4 - 0.04 * first + 0.03 * first**2) * (own - own**-2)
+    stress *= (1.0 + GAIN * random.standard_normal()) * (0.85 if celsius > 50.0 else 1.0)
+    stress += offset + 5e-3 * random.standard_normal(ROWS)
+    test = TestCurve("uniaxial", stretch, stress, temperature_degC=np.full(ROWS, celsius))
+    return replace(test, source=f"{celsius} {stretch[-1]}", specimen=f"{celsius} {stretch[-1]}")
+
+
+def found(seed: int, temperatures: tuple[float, ...], slack: float = 0.0, offset: float = 0.0) -> Finding:
+    """Return what is found of five specimens at each temperature, each mounted or read in its own way."""
+    random = np.random.default_rng(seed)
+    tests = [
+        strip(random, celsius, slack * abs(random.standard_normal()), offset * random.standard_normal())
+        for celsius in temperatures
+        for _ in range(COUNT)
+    ]
+    return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests), design=False)
+
+
+@pytest.mark.parametrize(("seed", "verdict"), [(1, "effect"), (2, "effect"), (3, "ambiguous")])
+def test_slack_of_each_specimen_is_found_beside_its_stiffness(seed: int, verdict: str) -> None:
+    """Or with a load cell off its zero, which does nearly the same."""
+    one = found(seed, (23.0,), slack=0.015)
+    assert (one.verdict, one.after.ids) == (verdict, ("grip-slack",))
+    assert one.after.fit.forms["grip-slack"].name == "each"
+    assert one.indistinguishable == ([["grip-slack", "load-offset"]] if verdict == "ambiguous" else [])
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_zeros_of_the_cell_of_each_specimen_are_found_beside_its_stiffness(seed: int) -> None:
+    one = found(seed, (23.0,), offset=0.04)
+    assert (one.verdict, one.after.ids) == ("effect", ("load-offset",))
+    assert one.after.fit.forms["load-offset"].name == "each"
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_slack_of_each_specimen_does_not_hide_what_heat_does(seed: int) -> None:
+    one = found(seed, (23.0, 80.0), slack=0.015)
+    assert one.verdict == "effect"
+    assert set(one.after.ids) == {"thermal-softening", "grip-slack"}
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 4])
+def test_specimens_that_differ_in_stiffness_alone_are_noise(seed: int) -> None:
+    """However far each is pulled: where some have ended the others must not bend the law."""
+    assert found(seed, (23.0,)).verdict == "noise"
