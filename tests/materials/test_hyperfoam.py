@@ -142,6 +142,20 @@ def test_stresses_alone_are_found_beside_known_exponents() -> None:
     assert (found.alpha, found.nu) == (law.alpha, law.nu)
 
 
+@pytest.mark.parametrize(
+    ("toe", "dense", "slope", "width"), [(0.04, 0.5, 0.08, 0.05), (0.05, 0.5, 0.12, 0.05)]
+)
+def test_a_foam_with_a_soft_toe_has_a_state_of_rest(toe, dense, slope, width):
+    """Two terms had a negative bulk modulus there, where no reading stands, or a ratio at the end of its range."""
+    stretch = np.linspace(0.4, 0.99, 30)
+    strain = 1.0 - stretch
+    stress = -(toe * (1.0 - np.exp(-((strain / width) ** 2))) + dense * strain**3 + slope * strain)
+    law = identify([TestCurve("uniaxial", stretch, stress, np.full(30, 1.0 / np.abs(stress).max()))], 2)
+    assert law.stable(np.zeros((1, 3))).all()
+    assert law.bulk_modulus > 0.0
+    assert min(law.nu) > -0.89
+
+
 @pytest.mark.slow
 def test_an_auxetic_foam_of_one_term_is_found():
     """It widens where it is pulled: a negative Poisson's ratio, by stresses and by the measured lateral stretch."""

@@ -185,13 +185,14 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
         first if k == reference else identify(_tests(used, t), terms, near=first)
         for k, t in enumerate(temperatures)
     ]
-    # Poisson's ratios at the end of their range, and no lateral stretch read: the tests say little of the sides.
+    # Poisson's ratios at the end of their range or below zero, and no lateral stretch read: the tests say little of
+    # the sides.
     law = laws[reference]
     sides_told = any(curve.contraction is not None for curve in used)
     unknown = [
         Undetermined(constant=f"nu{i + 1}", value=nu, test="uniaxial with measured lateral stretch")
         for i, nu in enumerate(law.nu)
-        if not sides_told and (nu > 0.5 - _EDGE or (nu < _EDGE and min(law.mu) >= 0.0))
+        if not sides_told and (nu > 0.5 - _EDGE or nu < (_EDGE if min(law.mu) >= 0.0 else 0.0))
     ]
     fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown, flat)
     fit.refuse_unstable(law.name, "take fewer terms")

@@ -16,6 +16,8 @@ from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, Rows
 _MU = 30.0
 #: Starts of the search, drawn the same each time, rows a test it is done on, and optima that are followed to the end.
 _STARTS, _ROWS, _POLISHED = 48, 40, 3
+#: How near to its bound a ratio has run to it.
+_END = 1e-3
 #: What the square sum of signed terms and negative ratios counts beside that of positive ones.
 _DEARER = 1.05
 
@@ -41,7 +43,8 @@ def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = No
         }
         for _, law in sorted(sound.items(), key=lambda one: one[0])[:_POLISHED]:
             error, law = every.polished(every.vector(law), signed, 400)
-            if every.stable(law):
+            # A ratio that runs to the end of what is allowed is what no foam has, and no optimum.
+            if every.stable(law) and min(law.nu) > RATIOS[0] + _END:
                 best.append((error * (_DEARER if signed else 1.0), law))
     _, law = min(best, key=lambda one: one[0])
     order = sorted(range(terms), key=lambda i: -law.alpha[i])
@@ -161,6 +164,7 @@ class _Sought:
         return law if positive or self.stable(law) else self.law(np.concatenate([start, kept]))
 
     def stable(self, law: Hyperfoam) -> bool:
-        """Whether the law is stable from rest to every state of the tests."""
+        """Whether the law is stable at rest, where tests have no reading that counts, and at every state of theirs."""
         with np.errstate(all="ignore"):
-            return all(bool(law.stable(rows.strain(law)).all()) for rows in self.rows)
+            states = [np.zeros((1, 3)), *(rows.strain(law) for rows in self.rows)]
+            return all(bool(law.stable(e).all()) for e in states)
