@@ -234,7 +234,8 @@ class Descent:
             gained -= wall * float(outside @ outside)
             if gained > 0.0:
                 break
-            met = (outside > 0.0) & ~walls
+            # Where no number tells how far off a step is, it has gone too far.
+            met = (outside > 0.0) & ~walls & np.all(np.isfinite(outside))
             if self.exact and np.any(met):
                 # A step into a wall: the next one goes along it.
                 there = np.where(met, outside, 0.0)
@@ -306,8 +307,8 @@ class Descent:
     def _slopes_beyond(self, x: Array, outside: Array) -> Array:
         """Return how what is forbidden at ``x``, ``outside`` (k,), changes with each constant, (k, constants)."""
         step = 1e-5 * np.maximum(np.abs(x), self.scale)
-        moved = [self._beyond(x + one) - outside for one in np.diag(step)]
-        return np.asarray(np.stack(moved, axis=1) / step) * (outside > 0.0)[:, None]
+        slope = np.stack([self._beyond(x + one) - outside for one in np.diag(step)], axis=1) / step
+        return np.where((outside > 0.0)[:, None] & np.isfinite(slope), slope, 0.0)
 
     def _holds(self) -> Array:
         """Return the weight of each prior."""

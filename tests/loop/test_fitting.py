@@ -40,6 +40,23 @@ def test_a_fit_goes_on_along_its_bounds_to_the_least_misfit() -> None:
     assert found.chi2 <= 1.001 * 2.0 * best.cost / 0.01**2
 
 
+class Walled(Powers):
+    """A line whose slope is at most one; how far off one of a half more is, no number tells."""
+
+    def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much the slope is too steep."""
+        slope = float(own[1])
+        return {"slope": max(slope - 1.0, 0.0), "power": np.inf if slope > 1.5 else 0.0}
+
+
+def test_a_fit_stays_where_numbers_tell_how_far_off_constants_are() -> None:
+    steep = posed(3.0 * np.linspace(0.0, 1.0, 80), np.inf, 2)
+    problem = Walled(steep.measured, steep.curves, steep.own, ())
+    found = fit(problem, Noise(np.full(80, 0.01), np.inf, "known"), {}, [0.0, 0.0])
+    assert found.x[1] == pytest.approx(1.0, abs=1e-3)
+    assert np.isfinite(found.chi2)
+
+
 def test_one_test_that_misses_is_not_lost_among_those_that_do_not() -> None:
     left = np.random.default_rng(0).standard_normal(80)
     left[60:] = np.where(np.arange(20) % 2, 2.2, -2.2)
