@@ -65,7 +65,7 @@ class CsvSheet:
         if first.title == second.title:
             entries = [(f"#{one.index + 1}", what) for one, (_, what) in zip(found, entries, strict=True)]
         return self.wrong(
-            f"two columns are a {name}: {first.title} and {second.title}",
+            f"two columns give the {name}: {first.title} and {second.title}",
             remedy=f"say which: {self.option(entries)}",
         )
 

@@ -134,7 +134,8 @@ def setting_along(key: str) -> tuple[str | None, str]:
     label = plain(without_brackets(key))
     for name, phrases in _settings().items():
         if label in phrases:
-            return name, ""
+            of_gauge = name == "gauge length" and "extensometer" in plain(key)  # Gage length (Extensometer)
+            return ("extensometer length" if of_gauge else name), ""
     head, _, last = label.rpartition(" ")
     axis = axis_of(last)
     if not head or not (axis or len(last) <= 2):

@@ -22,7 +22,8 @@ COLUMNS: dict[str, str] = {
         deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
         alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
-        歪; 伸び率; 应变; 伸长率; деформация; относительная деформация; относительное удлинение""",
+        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1; ave 2;
+        деформация; относительная деформация; относительное удлинение""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
         stroke; travel; actuator displacement; machine extension; extension from preload; preload extension;
@@ -32,7 +33,8 @@ COLUMNS: dict[str, str] = {
         travesano; recorrido; carrera; deplacement; deplacement de la traverse; deplacement traverse; deplacement de
         traverse; deplacement du mors; course; course traverse; spostamento; spostamento traversa; spostamento della
         traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
-        da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; перемещение; удлинение; ход""",
+        da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; 拉伸位移; 横梁位移; ave; ave 1;
+        ave 2; перемещение; удлинение; ход""",
     "position": """position; crosshead position; traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
         traverse; posizione; posizione traversa; posicao""",
@@ -42,22 +44,24 @@ COLUMNS: dict[str, str] = {
         cell; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
         last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
         standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
-        tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; нагрузка; усилие; сила""",
+        tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; 拉力; 拉伸载荷; 引張荷重;
+        нагрузка; усилие; сила""",
     "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress; axial stress;
         sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung; nennspannung;
         zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo; esfuerzo de traccion;
         esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension; tension nominal; tension de traccion;
         contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte axiale; sforzo;
         sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao; tensao nominal;
-        tensao de tracao; tensao de engenharia; 応力; 应力; напряжение; gl spannung""",
+        tensao de tracao; tensao de engenharia; 応力; 应力; 拉伸应力; 工程应力; 引張応力; 公称応力; напряжение;
+        gl spannung""",
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
         verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
-        vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma""",
+        vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma; 真应力; 真实应力; 真応力""",
     "true strain": """true strain; epsilon t; epsilont; eps t; epst;
         log strain; logarithmic strain; hencky strain; hencky; wahre dehnung;
         logarithmische dehnung; umformgrad; deformacion verdadera; deformacion logaritmica; deformacion real;
         deformation vraie; deformation logarithmique; deformazione vera; deformazione logaritmica; deformacao
-        verdadeira; deformacao logaritmica""",
+        verdadeira; deformacao logaritmica; 真应变; 真实应变; 对数应变; 真ひずみ""",
     "green strain": """green strain; lagrange strain; lagrangian strain; green lagrange strain; green lagrange""",
     "membrane stress": """membrane stress; force per width; load per width; force width; load width;
         force per unit width; line load;
@@ -93,7 +97,7 @@ COLUMNS: dict[str, str] = {
     "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles; cycle index;
         zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo; ciclos;
         numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo; numero do
-        ciclo; サイクル; 循环; цикл""",
+        ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл""",
     "branch": """branch; loading direction; load branch; ast; be entlastung; belastungsast; rama; branche;
         ramo; hin ruck""",
     "direction": """direction; fabric direction; specimen direction; sample direction; test direction;
@@ -114,17 +118,19 @@ COLUMNS: dict[str, str] = {
 COMPRESSIVE: dict[str, str] = {
     "strain": """compressive strain; compression strain; compressive strain compression; stauchung; nennstauchung;
         deformacion por compresion; deformacion de compresion; deformation en compression; deformazione a
-        compressione; deformacao de compressao; ecrasement; taux de compression""",
+        compressione; deformacao de compressao; ecrasement; taux de compression; 压缩应变; 圧縮ひずみ; 圧縮歪み;
+        деформация
+        сжатия""",
     "extension": """compressive extension; compressive displacement; compression; compression displacement; deflection;
         deflexion; stauchweg; eindruckweg; einfederung; extension por compresion; deplacement de compression;
-        extension de compression; flecha""",
+        extension de compression; flecha; 压缩位移; 压缩变形; 压缩量; 圧縮変位; 圧縮量""",
     "force": """compressive load; compressive force; compression load; compression force; normal force; axial force
         rheometer; druckkraft; normalkraft; stauchkraft; carga de compresion; fuerza de compresion; fuerza
         normal; force de compression; charge de compression; force normale; forza di compressione; forza normale;
-        forca de compressao; forca normal; axialforce; fn""",
+        forca de compressao; forca normal; axialforce; fn; 压缩载荷; 压缩力; 圧縮荷重; 圧縮力; сила сжатия""",
     "stress": """compressive stress; compression stress; normal stress; druckspannung; stauchspannung; stauchharte;
         esfuerzo de compresion; tension de compresion; contrainte de compression; sforzo di compressione;
-        tensione di compressione; tensao de compressao""",
+        tensione di compressione; tensao de compressao; 压缩应力; 圧縮応力; напряжение сжатия""",
 }
 #: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
 ACROSS: dict[str, str] = {
@@ -189,13 +195,16 @@ SETTINGS: dict[str, str] = {
         prova; espessura inicial; 厚さ; 厚み; 厚度; толщина""",
     "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
         initial gauge length; initial specimen length; initial length; original length; original gauge length;
-        nominal gauge length;
+        nominal gauge length; tensile strain gauge length; compressive strain gauge length;
         specimen gauge length; l0; lo; l 0; free length; messlange; anfangsmesslange; anfangslange; bezugslange;
         ausgangslange; longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de
         medida; longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
         base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
         misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
         ゲージ長さ; 标距; база; начальная длина""",
+    "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
+        extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
+        longitud de referencia extensometro; longueur de reference extensometre""",
     "grip distance": """grip distance; test length; jaw span; distance between jaws; distance between clamps;
         distance between grips; initial distance between grips; initial distance between jaws; initial jaw separation;
         length between grips; length between jaws; clamp separation; free clamping length; nip distance; pruflange;
@@ -251,11 +260,13 @@ TESTS: dict[str, str] = {
     "volumetric": "volumetric; volumetric compression; hydrostatic; volumetrisch; volumetrico; volumetrique",
     "compression": """compression; compressive; uniaxial compression; compression test; druckversuch; druck;
         druckprufung;
-        stauchversuch; stauch; compresion; essai de compression; compressione; compressao""",
+        stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩; 压缩试验; 圧縮;
+        圧縮試験; сжатие""",
     "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
         method; zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
         traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1; iso
-        37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882""",
+        37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验;
+        単軸引張; 引張; 引張試験; растяжение""",
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal; kette;

@@ -11,7 +11,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import axis_of
+from hyperfab.io.dictionary import axis_of, plain
 from hyperfab.io.headings import meaning
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, no_unit
@@ -198,7 +198,8 @@ class _Reader:
         if self.specimen.given.gauge_length is None:
             conflicting(self.sheet, self.specimen.decimal)
         axis = self._axis(column)
-        length = self.specimen.along(axis, "gauge length", "grip distance")
+        own = self.specimen.stated("extensometer length") if "extensometer" in plain(head.label) else None
+        length = own or self.specimen.along(axis, "gauge length", "grip distance")
         length = length or (sizes.diameter if self.test.startswith("biaxial") else None)
         values = self._values(column, "length", name)
         if name == "length":

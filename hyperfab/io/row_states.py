@@ -124,7 +124,7 @@ def of_each_row(
         "time_s": _times(sheet, columns, decimal, clock, notes),
         "temperature_degC": _temperature(sheet, columns, decimal, notes),
         "rate_1_s": _rate(sheet, columns, sizes, decimal, notes),
-        "cycle": _cycles(sheet, columns, decimal),
+        "cycle": _cycles(sheet, columns, decimal, notes),
         "branch": _branches(sheet, columns),
     }
 
@@ -181,11 +181,16 @@ def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes:
     return quantities(sheet, head, "rate", decimal, name="rate")
 
 
-def _cycles(sheet: CsvSheet, columns: Roles, decimal: str) -> NDArray[np.int64] | None:
+def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> NDArray[np.int64] | None:
     column = columns.columns.get("cycle")
     entry = stated(sheet, "cycle")
     if column is not None:
         values = numbers(sheet, column.heading, decimal)
+        # Machines count those done, from nought, in halves and quarters: 0.5 where the first turns back.
+        counted = len(values) > 0 and float(values.min()) == 0.0
+        if counted and np.any(values != np.round(values)) and np.all(4.0 * values == np.round(4.0 * values)):
+            notes.append(f"{column.heading.title} counts parts of cycles: the whole ones done are taken")
+            values = np.floor(values)
     elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):
         values = np.full(len(sheet.lines), float(entry.value))
     elif entry is not None and entry.sure:

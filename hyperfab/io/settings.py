@@ -15,11 +15,14 @@ from hyperfab.io.titles import heading, unit_of
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
 SIZES = (
     "width", "thickness", "gauge length", "grip distance", "diameter", "area", "specimen length", "height",
+    "extensometer length",
 )  # fmt: skip
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|ensaio)\b")
 #: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
 _BETWEEN = re.compile(r";|, ")
+#: A setting under its group, in a cell of its own: Specimen properties : Width.
+_GROUPED = re.compile(r"[^:=]{1,60}? : ([^:=]+)")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 
 
@@ -91,6 +94,9 @@ def _parted(cell: str) -> list[str]:
 
 def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int] | None:
     """Return key, value, unit and the next place, where the cell at ``place`` begins a setting."""
+    group = _GROUPED.fullmatch(cells[place])
+    if group and place + 1 < len(cells) and (is_number(cells[place + 1]) or setting(group[1]) is not None):
+        return _stated([*cells[:place], group[1], *cells[place + 1 :]], place)
     match = _SETTING.fullmatch(cells[place])
     if match and match[2] and not is_clock(cells[place]):
         key, value, after = match[1], match[2], place + 1
@@ -107,4 +113,4 @@ def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int
     unit = read.unit and unit_of(read.unit)  # Thickness [h0]
     if unit is None and after < len(cells) and (one := unit_of(cells[after].strip("[](){} "))) is not None:
         unit, after = one, after + 1
-    return read.label, value, unit, after
+    return (read.label if setting(key) in (None, setting(read.label)) else key), value, unit, after

@@ -235,3 +235,33 @@ def test_a_stress_of_the_letter_t_beside_an_engineering_strain_is_asked_for() ->
         for option in re.findall(r'--columns "([^"]*)"', str(caught.value))
     )
     assert (true, nominal) == (pytest.approx([0.2, 0.4]), [0.22, 0.48])
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "压缩应变 (位移) (%),压缩应力 (MPa)",
+        "圧縮ひずみ (%),圧縮応力 (MPa)",
+        "деформация сжатия (%),напряжение сжатия (MPa)",
+    ],
+)
+def test_a_compression_is_one_in_other_scripts_too(heads: str) -> None:
+    text = f"# test: uniaxial\n{heads}\n10,0.2\n20,0.5\n30,0.9\n"
+    [found] = read_tests(text.encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([0.9, 0.8, 0.7])
+    assert found.stress.tolist() == pytest.approx([-0.2, -0.5, -0.9])
+
+
+def test_a_strain_of_a_video_extensometer_goes_before_the_way_of_the_grips() -> None:
+    text = "# test: uniaxial\nDisplacement (mm),Stress (MPa),AVE 2 (%)\n1,0.2,10\n2,0.5,20\n3,0.9,30\n"
+    [found] = read_tests(text.encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
+
+
+def test_cycles_that_are_counted_in_parts_are_whole_ones_done() -> None:
+    head = "# test: uniaxial\nstrain [%],stress [MPa],Cycle count\n"
+    [found] = read_tests(f"{head}1,0.1,0\n2,0.2,0\n1,0.1,0.5\n1,0.1,1\n2,0.2,1.25\n".encode(), "a.csv")
+    assert found.cycle is not None
+    assert found.cycle.tolist() == [0, 0, 0, 1, 1]
+    with pytest.raises(InputError, match="no cycle number"):
+        read_tests(f"{head}1,0.1,0\n2,0.2,0.1\n3,0.3,0.2\n".encode(), "a.csv")

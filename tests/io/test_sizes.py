@@ -183,3 +183,23 @@ def test_the_next_title_of_a_table_is_no_size() -> None:
     above = "Tensile test\n,Length (mm),Maximum load (N)\n1,100,5\n\nSpecimen 1\nLength,100,mm\nWidth,50,mm\n"
     with pytest.raises(InputError, match=r"line 6 has a length of 100 mm.*--gauge-length 100mm"):
         read(f"{above}Time,Extension,Load\ns,mm,N\n0,10,2\n1,20,4\n2,30,5\n3,40,6\n4,50,7\n5,60,8\n")
+
+
+@pytest.mark.parametrize(
+    "length", ["Strain : Tensile strain (Extension) gauge length", "Specimen : Gauge length"]
+)
+def test_sizes_stand_under_their_group(length: str) -> None:
+    above = f'Specimen properties : Width,"50.0",mm\nSpecimen properties : Thickness,"0.8",mm\n{length},"100.0",mm\n'
+    rows = "".join(f'"{way}","{force}"\n' for way, force in ROWS)
+    [found] = read(f"Type of test,Tensile\n{above}\nExtension,Load\n(mm),(N)\n{rows}")
+    assert is_strip(found)
+
+
+@pytest.mark.parametrize("key", ["Gauge length (Extensometer)", "Strain : Strain 1 gauge length"])
+def test_the_length_of_an_extensometer_is_not_that_between_the_grips(key: str) -> None:
+    above = f'Type of test,Tensile\nWidth,50,mm\nThickness,0.8,mm\n{key},"100.0",mm\n'
+    rows = "".join(f"{way},{force}\n" for way, force in ROWS)
+    with pytest.raises(InputError, match="gauge length"):
+        read(f"{above}\nExtension,Load\n(mm),(N)\n{rows}")
+    [found] = read(f"{above}\nExtensometer,Load\n(mm),(N)\n{rows}")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
