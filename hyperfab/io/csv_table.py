@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
+from hyperfab.io import titles
 from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
@@ -49,6 +50,7 @@ def read_table(
     optional: Mapping[str, str] | None = None,
     increasing: str | None = None,
     rest: str | None = None,
+    called: Sequence[str] = (),
     gaps: bool = False,
     layout: Layout | None = None,
 ) -> Table:
@@ -56,8 +58,8 @@ def read_table(
 
     ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
     row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
-    (thermocouples: one temperature column a probe); they are found under their labels, and with ``gaps`` a cell
-    of theirs may be empty: nan. Names are compared without case.
+    (thermocouples: one temperature column a probe); they are found under their labels, of which some are expected
+    (``called``), and with ``gaps`` a cell of theirs may be empty: nan. Names are compared without case.
 
     Raises InputError with file, line and column.
 
@@ -87,14 +89,11 @@ def read_table(
     if rest is not None:
         taken = {heading.index for heading, _ in wanted.values()}
         for heading in _others(sheet, taken, rest):
-            wanted[heading.label] = (heading, rest)
+            # Of what the command line says to be of that kind the title still tells whose it is.
+            told = titles.heading(heading.title, heading.index) if heading.name == rest else heading
+            wanted[told.label] = (heading, rest)
         if len(wanted) == len(taken):
-            raise InputError(
-                f"has no column of a {rest}",
-                file=name,
-                line=sheet.header_line,
-                remedy=f'name one a probe, as in "T1 [{KINDS[rest].unit}]"',
-            )
+            raise _none_of(sheet, rest, called, {**columns, **(optional or {})})
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
     named = {**columns, **(optional or {})}
     values = {
@@ -128,11 +127,25 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     return found
 
 
+def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[str, str]) -> InputError:
+    """Return the error that no column is of a kind: with their unit filled in where some are called as expected."""
+    unit, known = KINDS[rest].unit, {one.casefold() for one in called}
+    bare = [one for one in sheet.headings if one.unit is None]
+    own = [(one.title, f"{rest} [{unit}]") for one in bare if one.name in known]
+    others = [
+        (one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in bare if one.name in asked
+    ]
+    return sheet.wrong(
+        f"has no column of a {rest}",
+        remedy=f"say {sheet.option([*others, *own])}" if own else f'name one a probe, as in "T1 [{unit}]"',
+    )
+
+
 def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str]) -> InputError:
-    titles = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
+    heads = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
     unit = KINDS[_kind(columns[column])].unit
     return sheet.wrong(
-        f"has no column {column}; its columns are {titles}",
+        f"has no column {column}; its columns are {heads}",
         remedy=f'name it "{column} [{unit if unit != "1" else "-"}]"',
     )
 

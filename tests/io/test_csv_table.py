@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import time
 
 import pytest
 
 from hyperfab.errors import InputError
-from hyperfab.io.csv_table import read_table
+from hyperfab.io.csv_table import Table, read_table
+from hyperfab.io.layout import layout
 from hyperfab.io.rows import MAX_ROWS
 
 FILM = {"temperature": "temperature", "h": "film-coefficient"}
@@ -121,3 +123,21 @@ def test_a_large_recording_is_read_in_time() -> None:
     table = read_table(b"time [s];T1 [degC]\n" + rows.encode(), "t.csv", {"time": "time"}, rest="temperature")
     assert time.process_time() - start < 3.0
     assert len(table["time"]) == 300_000
+
+
+def test_thermocouples_without_a_unit_are_asked_for_in_one_line_that_settles_it() -> None:
+    def read(*columns: str) -> Table:
+        data = b"Time,Q1,T1,T2\n0,50,25,24\n60,50,31.5,24.5\n"
+        return read_table(
+            data, "t.csv", {"time": "time"}, rest="temperature", called=["T1", "T2"], layout=layout(columns)
+        )
+
+    option = "Time=time [s],T1=temperature [degC],T2=temperature [degC]"
+    with pytest.raises(InputError, match=re.escape(f'say --columns "{option}"')):
+        read()
+    table = read(option)
+    assert (table["time"].tolist(), table["T1"].tolist(), table["T2"].tolist()) == (
+        [0, 60],
+        [25, 31.5],
+        [24, 24.5],
+    )

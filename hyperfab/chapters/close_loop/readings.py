@@ -240,6 +240,7 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
         optional={"power": "power"},
         increasing="time",
         rest="temperature",
+        called=probes,
         layout=layout,
         gaps=True,
     )
