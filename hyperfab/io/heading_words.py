@@ -31,11 +31,13 @@ COLUMNS: dict[str, str] = {
         hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer; delta l; dl; delta
         length; u; ux; uy; desplazamiento; desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del
         travesano; recorrido; carrera; deplacement; deplacement de la traverse; deplacement traverse; deplacement de
-        traverse; deplacement du mors; course; course traverse; spostamento; spostamento traversa; spostamento della
+        traverse; deplacement du mors; course; course standard; course traverse; spostamento;
+        spostamento traversa; spostamento della
         traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
         da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; 拉伸位移; 横梁位移; ave; ave 1;
         ave 2; перемещение; удлинение; ход""",
-    "position": """position; crosshead position; traverse; traverse absolut; traversenweg absolut; traversenposition;
+    "position": """position; crosshead position; crosshead absolute; traverse absolue;
+        traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
         traverse; posizione; posizione traversa; posicao""",
     "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
@@ -194,6 +196,8 @@ SETTINGS: dict[str, str] = {
         spessore; spessore provino; spessore del provino; spessore iniziale; espessura; espessura do corpo de
         prova; espessura inicial; 厚さ; 厚み; 厚度; толщина""",
     "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
+        gauge length standard travel; gage length standard travel; messlange standardweg; l0 standardweg;
+        l0 course standard; longueur de mesure course standard;
         initial gauge length; initial specimen length; initial length; original length; original gauge length;
         nominal gauge length; tensile strain gauge length; compressive strain gauge length;
         specimen gauge length; l0; lo; l 0; free length; messlange; anfangsmesslange; anfangslange; bezugslange;

@@ -263,6 +263,7 @@ def _own(
     found = []
     for name, value in zip(law.names, values, strict=True):
         low, high = law.bounds.get(name, (-np.inf, np.inf))
+        low, high = min(low, value), max(high, value)  # a document's own constants stand
         scale = max(abs(value), 0.01 * size if name in law.stresses else 0.1)
         sd = np.inf if prior is None else max(prior * abs(value), 1e-9 * size)
         if name in law.held or name in fixed or f"{prefix}{name}" in fixed:

@@ -19,7 +19,7 @@ _SMOOTH_DEGREE = 5
 _STANDS = 0.1
 #: Paces within this factor count as one, where none is stated: machines and hands keep one so well. Rates that were
 #: chosen to differ are further apart.
-_ONE_PACE = 1.5
+ONE_PACE = 1.5
 
 
 def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
@@ -134,7 +134,7 @@ def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
             name
             for other_how, other_pace, other_way, name in found
             if other_how == how
-            and abs(np.log(pace / other_pace)) <= np.log(_ONE_PACE)
+            and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE)
             and _is_same_way(way, other_way)
         )
         found.append((how, pace, way, next(same, f"{how} {len(found)}")))

@@ -198,6 +198,9 @@ class Descent:
         chi2 = float(left @ left)
         return Fit(forms, x, value, left, jacobian, precision, chi2, self.cost, self.prior, self.own)
 
+    @np.errstate(
+        over="ignore", invalid="ignore"
+    )  # what no number holds is no way to go, and is looked at below
     def _advance(self) -> None:
         """Take a step: by slopes asked for, or by those of the step before as it has changed them.
 
@@ -224,6 +227,9 @@ class Descent:
         held = ((x <= self.low) & (gradient < 0.0)) | ((x >= self.high) & (gradient > 0.0))
         tries = _TRIES if self.exact else 1
         while tries > 0:
+            if not (np.all(np.isfinite(gradient)) and np.all(np.isfinite(normal))):
+                self.ended, self.serves = True, False  # a wall so steep that no number holds it
+                return
             step = _step(normal, size, gradient, self.damping, x, self.low, self.high, ~held)
             if self.exact and self.damping > _DAMPING:
                 step = step + self._bend(step, normal, size, held)

@@ -203,3 +203,30 @@ def test_the_length_of_an_extensometer_is_not_that_between_the_grips(key: str) -
         read(f"{above}\nExtension,Load\n(mm),(N)\n{rows}")
     [found] = read(f"{above}\nExtensometer,Load\n(mm),(N)\n{rows}")
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
+
+
+@pytest.mark.parametrize(
+    ("length", "width", "thickness", "head"),
+    [
+        (
+            "L0 - course standard",
+            "Largeur éprouvette",
+            "Épaisseur éprouvette",
+            '"Traverse absolue","Force standard","Course standard"',
+        ),
+        (
+            "Gage length, standard travel",
+            "Specimen width",
+            "Specimen thickness",
+            '"Crosshead absolute","Standard force","Standard travel"',
+        ),
+    ],
+)
+def test_a_gauge_length_is_said_of_the_travel_that_it_is_for(
+    length: str, width: str, thickness: str, head: str
+) -> None:
+    above = f'"{thickness}",0.8,"mm"\n"{width}",50,"mm"\n"{length}",100,"mm"\n"v1",1,"mm/min"\n'
+    rows = "".join(f"{way - 700.0},{force},{way}\n" for way, force in ROWS)
+    [found] = read(f'{above}{head}\n"mm","N","mm"\n{rows}', test="uniaxial")
+    assert is_strip(found)
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])

@@ -234,3 +234,25 @@ def test_a_membrane_is_asked_for_no_shear_beside_its_laws():
     names = ("prestretch", "weft more", "friction", "mass")
     runs = places([Axis("law C10", 1.0, 0.3, mixes=False), *(Axis(name, 0.0, 1.0) for name in names)])
     assert {name for run in runs for name in run} == {"law C10", *names}
+
+
+@pytest.mark.parametrize(("quicker", "told"), [(2.0, True), (1.9, True), (1.3, False)])
+def test_a_pull_twice_as_quick_shows_a_rate(quicker: float, told: bool) -> None:
+    """Rates that were chosen to differ do, paces that were kept as well as can be do not."""
+    stretch = np.linspace(1.0, 1.5, 30)
+    tests = [
+        TestCurve("uniaxial", stretch, 0.3 * (stretch - 1.0), time_s=(stretch - 1.0) / rate, source=f"{rate}")
+        for rate in (0.03, 0.03 * quicker)
+    ]
+    problem = fabric_problem(laws()["yeoh-2"], [0.05, 0.0], tests, prior=None)
+    assert (not problem.effect("rate").not_sought) is told
+
+
+def test_a_power_of_a_term_of_nothing_stays_where_powers_are_sought() -> None:
+    stretch = np.linspace(1.0, 1.5, 30)
+    tests = [TestCurve("uniaxial", stretch, 0.3 * (stretch - 1.0))]
+    own = fabric_problem(laws()["ogden-2"], [0.1, 2.0, 0.0, 45.0], tests, prior=None).own
+    assert [(one.low, one.high) for one in own if one.name.startswith("alpha")] == [
+        (-30.0, 30.0),
+        (-30.0, 45.0),
+    ]

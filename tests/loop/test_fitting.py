@@ -57,6 +57,17 @@ def test_a_fit_stays_where_numbers_tell_how_far_off_constants_are() -> None:
     assert np.isfinite(found.chi2)
 
 
+def test_a_fit_ends_at_a_wall_that_no_number_holds() -> None:
+    class Sheer(Powers):
+        def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+            return {"slope": 1e160 * max(float(own[1]) - 1.0, 0.0)}
+
+    steep = posed(3.0 * np.linspace(0.0, 1.0, 80), np.inf, 2)
+    problem = Sheer(steep.measured, steep.curves, steep.own, ())
+    found = fit(problem, Noise(np.full(80, 0.01), np.inf, "known"), {}, [0.0, 0.0])
+    assert found.x[1] <= 1.0
+
+
 def test_one_test_that_misses_is_not_lost_among_those_that_do_not() -> None:
     left = np.random.default_rng(0).standard_normal(80)
     left[60:] = np.where(np.arange(20) % 2, 2.2, -2.2)

@@ -32,6 +32,8 @@ class Ogden(Law):
         self.title = f"{order} power{'s' if order > 1 else ''} of the stretches"
         self.linear = tuple(f"mu{r}_MPa" for r in numbers)
         self.nonlinear = tuple(f"alpha{r}" for r in numbers)
+        # Of a term that is next to nothing no test tells the power: a refit would take it anywhere.
+        self.bounds = dict.fromkeys(self.nonlinear, BOX)
 
     @property
     def names(self) -> tuple[str, ...]:

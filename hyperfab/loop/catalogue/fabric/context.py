@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.loop.fabric_tests import ONE_PACE
 from hyperfab.materials.effects.path import Path, held
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Law
@@ -57,12 +58,12 @@ class DataContext:
 
     @property
     def several_rates(self) -> bool:
-        """Whether specimens were pulled at rates a factor of two apart, or held."""
+        """Whether specimens were pulled at rates further apart than one pace is kept, or held."""
         return self._tell_time(self.path.curves)
 
     @property
     def clocks(self) -> int:
-        """At how many temperatures specimens were pulled at rates a factor of two apart, or held."""
+        """At how many temperatures specimens were pulled at several rates, or held."""
         at: dict[float, list[slice]] = {}
         for rows in self.path.curves:
             at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(
@@ -74,7 +75,7 @@ class DataContext:
         speed = np.abs(self.path.speed)
         going = [speed[rows][speed[rows] > 0.0] for rows in curves]
         pace = [float(np.median(one)) for one in going if len(one)]
-        if pace and max(pace) > 2.0 * min(pace):
+        if pace and max(pace) > ONE_PACE * min(pace):
             return True
         return any(held(self.path.moved(rows)).any() for rows in curves)
 
