@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
+from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.thresholds import MACHINE
-from hyperfab.materials.effects import anisotropy
+from hyperfab.materials.effects import anisotropy, load_offset
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.grip_slack import BENDS, STAYS
 from hyperfab.materials.effects.path import (
@@ -108,18 +109,20 @@ class FabricProblem(Problem):
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
         In units of the stiffness these tests show at their ends. Where terms are added to the law by tests of one
-        kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach.
+        kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach; and by
+        how much a load cell that drifts is too far off its zero.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
+        off = self._zero_off(terms)
         form = anisotropy.form_of(elastic)
         if form is not None and form.whole:
             # The ground of a sheet of threads is stable where none of its constants is below zero.
             ground = dict(zip(self.law.names, map(float, warp), strict=True))
             asked = {name: max(-value / self._secant, 0.0) for name, value in ground.items()}
             soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
-            return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)}
-        found: dict[str, float] = {}
+            return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)} | off
+        found: dict[str, float] = dict(off)
         # The law of a document stands by itself too: what is added to it stands elsewhere in there.
         laws = {"": elastic}
         if "elastic-law" in elastic:
@@ -134,6 +137,16 @@ class FabricProblem(Problem):
                 falls = max(float(np.max(-rise)) / _STEP / self._secant, 0.0)
                 found[f"slope of {MODE_NAMES[mode]} stress"] = falls
         return found
+
+    def _zero_off(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+        """Return by how much the zero of a load cell that drifts is farther off than one that stays may be."""
+        form, values = terms.get("load-offset", ("", np.zeros(0)))
+        if form not in ("drift", "settling"):
+            return {}
+        time = self.fabric.path.time_s
+        moved = values[1] * time if form == "drift" else load_offset.settling(time, values[1], values[2])
+        peak = float(np.max(np.abs(self.measured[self.channel == 0]), initial=0.0)) or 1.0
+        return {"zero of the load cell": max(float(np.max(np.abs(values[0] + moved))) / peak - MOST_OFF, 0.0)}
 
     @cached_property
     def _rising(self) -> Fabric | None:

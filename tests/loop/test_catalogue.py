@@ -256,3 +256,24 @@ def test_a_power_of_a_term_of_nothing_stays_where_powers_are_sought() -> None:
         (-30.0, 30.0),
         (-30.0, 45.0),
     ]
+
+
+@pytest.mark.parametrize(
+    ("form", "values", "off"),
+    [
+        ("settling", (0.0, -0.01, 2.0), 0.0),
+        ("settling", (0.0, -0.1, 20.0), 0.5),
+        ("drift", (0.02, 0.001), 0.0),
+        ("drift", (0.0, -0.0135), 0.1),
+    ],
+)
+def test_a_load_cell_that_drifts_is_off_by_half_of_the_peak_at_most(
+    form: str, values: tuple[float, ...], off: float
+) -> None:
+    stretch = np.linspace(1.0, 1.5, 30)
+    test = TestCurve("uniaxial", stretch, 0.3 * (stretch - 1.0), time_s=20.0 * (stretch - 1.0) / 3.0 * 2.0)
+    problem = fabric_problem(laws()["yeoh-2"], [0.05, 0.0], [test], prior=None)
+    asked = problem.forbidden(np.array([0.05, 0.0]), {"load-offset": (form, np.array(values))})
+    assert (asked["zero of the load cell"] > 0.0) is (off > 0.0)
+    if form == "drift":
+        assert asked["zero of the load cell"] == pytest.approx(off, abs=1e-6)

@@ -9,6 +9,9 @@ import numpy as np
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
+#: A load cell is off its zero by this share of the largest stress at most: more is no reading of a specimen.
+MOST_OFF = 0.5
+
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
     """Return what may lack, scaled to the data."""
@@ -78,7 +81,7 @@ def grip_slack(context: DataContext) -> Effect:
 def load_offset(context: DataContext) -> Effect:
     """A load cell off its zero: by a constant stress, or one that drifts with time."""
     peak = context.peak_stress
-    most, step = 0.5 * peak, 0.01 * peak
+    most, step = MOST_OFF * peak, 0.01 * peak
     offset = Constant("offset_MPa", 0.0, -most, most, step)
     forms = [Form("constant", (offset,), ((0.02 * peak,), (-0.02 * peak,)), ((step,),))]
     if context.path.knows_time:
