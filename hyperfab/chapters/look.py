@@ -19,8 +19,9 @@ from hyperfab.numerics.hygiene import Doubt, look
 #: What a file says of itself and the laws, or nobody, has a use for.
 _KNOWN = {
     "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
-    "grip distance", "extensometer length", "gauge", "diameter", "source", "date", "time", "operator", "machine",
-    "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license", "doi", "year",
+    "area", "grip distance", "extensometer length", "gauge", "diameter", "source", "date", "time", "operator",
+    "machine", "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license", "doi",
+    "year",
 }  # fmt: skip
 #: So many places are named one by one; the others are counted.
 SHOWN = 4

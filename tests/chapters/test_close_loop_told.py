@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import jsonschema
@@ -12,10 +13,12 @@ import numpy as np
 import pytest
 from conftest import Run
 
+from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.readings import read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.loop.problem import Effect
 
 MODEL = {
     "format": "hyperfab.material/1",
@@ -297,3 +300,14 @@ def test_rows_of_thermocouples_that_are_no_reading_are_counted(
     read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a"], None)
     assert len(read.times) == 9
     assert read.left_out == {"blank row": 1, "closing row, no reading": 1}
+
+
+def test_an_effect_that_was_added_is_not_among_those_the_data_cannot_show() -> None:
+    """Its simplest form left no imprint, which a flexible law imitates; a richer one did."""
+    effect = Effect("grip-slack", "the grips take up part of the extension", "marks", "", ())
+    found = SimpleNamespace(
+        scores={}, worth={}, indistinguishable=(), belief=None, tried={},
+        added={"grip-slack": SimpleNamespace(delta_bic=120.0)},
+    )  # fmt: skip
+    [row] = _candidates(SimpleNamespace(effects=(effect,)), found)  # type: ignore[arg-type]
+    assert row.visible

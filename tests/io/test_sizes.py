@@ -230,3 +230,10 @@ def test_a_gauge_length_is_said_of_the_travel_that_it_is_for(
     [found] = read(f'{above}{head}\n"mm","N","mm"\n{rows}', test="uniaxial")
     assert is_strip(found)
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
+
+
+def test_an_area_under_its_group_is_the_section() -> None:
+    rows = "".join(f"{way:g};{force:g}\n".replace(".", ",") for way, force in ROWS)
+    text = f"Abmessung : Querschnitt;40,0;mm^2\nAbmessung : Messlänge;100,0;mm\n\nTraversenweg;Last\n(mm);(N)\n{rows}"
+    [found] = read(text, test="uniaxial")
+    assert found.stress.tolist() == pytest.approx([force / 40.0 for _, force in ROWS])

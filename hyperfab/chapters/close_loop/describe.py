@@ -203,7 +203,7 @@ def _candidates(problem: Problem, found: Finding) -> list[Candidate]:
             Candidate(
                 id=effect.id,
                 title=effect.title,
-                visible=effect.id in found.scores,
+                visible=effect.id in found.scores or effect.id in gains,
                 not_sought=effect.not_sought or None,
                 score=float(found.scores.get(effect.id, 0.0)),
                 delta_bic=gain,
