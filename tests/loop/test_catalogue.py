@@ -277,3 +277,10 @@ def test_a_load_cell_that_drifts_is_off_by_half_of_the_peak_at_most(
     assert (asked["zero of the load cell"] > 0.0) is (off > 0.0)
     if form == "drift":
         assert asked["zero of the load cell"] == pytest.approx(off, abs=1e-6)
+
+
+def test_poissons_ratio_of_a_refitted_law_is_one_that_nature_has() -> None:
+    stretch = np.linspace(1.0, 1.5, 30)
+    tests = [TestCurve("uniaxial", stretch, 0.3 * (stretch - 1.0))]
+    own = fabric_problem(laws()["blatz-ko-general"], [0.1, 0.2, 0.3], tests, prior=None).own
+    assert [(one.low, one.high) for one in own if one.name == "nu"] == [(0.0, 0.4999)]

@@ -32,15 +32,15 @@ def cardinal(count: int) -> CubicSpline:
 def through(x: Array, values: Array) -> Array:
     """Return the smooth function (n,) of ``x`` (n,) that is 0 at 0 and has ``values`` (k,) at 1/k, 2/k, ... 1.
 
-    Beyond 1 it goes on straight.
+    Beyond 1 it goes on straight; where ``x`` is unknown so is it.
 
-    >>> through(np.array([0.0, 0.25, 0.5, 1.0, 2.0]), np.array([1.0, 2.0]))
-    array([0. , 0.5, 1. , 2. , 4. ])
+    >>> through(np.array([0.0, 0.25, 0.5, 1.0, 2.0, np.nan]), np.array([1.0, 2.0]))
+    array([0. , 0.5, 1. , 2. , 4. , nan])
     """
     count = len(values)
     pieces = _cardinal_pieces(count) @ np.asarray(values)
     inside = np.clip(x, 0.0, 1.0)
-    piece = np.minimum((inside * count).astype(np.int64), count - 1)
+    piece = np.minimum((np.nan_to_num(inside) * count).astype(np.int64), count - 1)
     step = inside - piece / count
     third, second, slope, start = (part[piece] for part in pieces)
     last = 1.0 / count

@@ -64,6 +64,7 @@ class BlatzKo(Law):
     linear = ("mu f", "mu (1-f)")
     nonlinear = ("nu",)
     held: Mapping[str, float] = {"mu f": 0.0, "nu": 0.25}
+    bounds: Mapping[str, tuple[float, float]] = {"nu": (0.0, 0.4999)}
     compressible = True
 
     @property
@@ -83,7 +84,7 @@ class BlatzKo(Law):
 
     def axes(self, extent: Extent) -> list[Axis]:
         """Poisson's ratio between no contraction and nearly constant volume."""
-        return [linear_axis(0.0, 0.4999)]
+        return [linear_axis(*self.bounds["nu"])]
 
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """nu is from 0 to below 1/2."""
