@@ -89,6 +89,32 @@ class Medium:
             total += np.bincount(nodes.ravel(), unit.ravel(), len(total))
         return total / total.sum()
 
+    def joined(self, by_part: Array) -> Array:
+        """Return one nodal field (n,) of temperatures by part (n, parts) [degC].
+
+        Nodes that parts share lie between these, such that the body holds the heat of its parts: with either's
+        temperature it would hold more or less by a part of a layer of elements.
+        """
+        mesh = self.mesh
+        belongs = np.zeros(by_part.shape, dtype=bool)
+        capacity = np.empty(by_part.shape)
+        for part, material in enumerate(self.materials):
+            mine = np.unique(mesh.elements[mesh.parts == part])
+            belongs[mine, part] = True
+            specific_heat = material.specific_heat.at(float(by_part[mine, part].mean()))
+            capacity[:, part] = self.volume_load(part)[: len(by_part)] * self.masses[part] * specific_heat
+        found = np.empty(len(by_part))
+        for together in np.unique(belongs, axis=0):
+            nodes = np.flatnonzero((belongs == together).all(axis=1))
+            weights = np.maximum(capacity[nodes].sum(axis=0), 0.0) * together
+            if not weights.any():  # along an edge: shape functions of corners integrate to less than nothing
+                weights += together
+            theirs = np.where(
+                together, by_part[nodes], 0.0
+            )  # where a part is not, it may have no temperature
+            found[nodes] = theirs @ (weights / weights.sum())
+        return found
+
     def conduction(self, temperature: Array) -> Array:
         """Return the data of the conduction matrix [W/K] at nodal temperatures; not to be changed."""
         if len(self._k_elements) == 0:

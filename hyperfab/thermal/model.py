@@ -38,6 +38,8 @@ SLOW = 0.02
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
 NEWTON_STEPS = 40
+#: A step after which the residual is larger is halved so often, one after the other.
+MOST_HALVINGS = 6
 
 
 @dataclass
@@ -161,6 +163,7 @@ class HeatModel:
         scale = norm(self.pattern.diagonal(matrix) * self.free)
         goal, size, moved, tolerance = 0.0, np.inf, np.inf, np.inf
         residual = change = np.zeros(0)
+        halved = 0
         for step in range(NEWTON_STEPS):
             if step == 0 or not self.linear:
                 residual = self._residual(stage, target, temperature)
@@ -169,6 +172,13 @@ class HeatModel:
             before, size = size, norm(residual)
             if step == 0:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
+            elif size > before and not self.linear and halved < MOST_HALVINGS:
+                # A peak of the specific heat, that of melting, throws whole steps to and fro across it.
+                change *= 0.5
+                temperature -= change
+                size, moved, halved = before, 0.5 * moved, halved + 1
+                continue
+            halved = 0
             if size <= goal or moved <= STILL:
                 uniform = self.free.astype(float)
                 capacity = dot(uniform, product(matrix, uniform))

@@ -161,11 +161,12 @@ class Neighbourhood:
         return self._base.changed_to(medium, conditions)
 
     def _began(self, part: int) -> Array:
-        """Return where a part's own temperature begins (n,): nodes between parts are the last one's."""
-        mesh = self._model.mesh
+        """Return by how much the start of each node (n,) follows that of a part."""
+        solid = self._model.mesh.solid
         found = np.zeros(self._model.size)
-        for number in range(len(self._model.materials)):
-            found[np.unique(mesh.elements[mesh.parts == number])] = float(number == part)
+        found[:solid] = self._model.medium.joined(
+            np.eye(len(self._model.materials))[part] + np.zeros((solid, 1))
+        )
         return found
 
     def _coordinates(self, nodal: Array) -> Array:

@@ -68,11 +68,14 @@ def run(
     history = History(
         Trail([state]), Ledger.begin(model, model.total(state.stored), [r.name for r in renewals])
     )
-    _preset(thermostats, start)
+    held = model.hold(0.0, start)  # what thermostats and the target meet first: held places jump at once
+    for thermostat in thermostats:
+        thermostat.heater.on = True
+    _set(thermostats, held)
     corners = sorted({t for t in (*schedule.corners, *(t for r in renewals for t in r.times)) if t > 0.0})
     end = schedule.until
     length = _first_length(model, state, schedule)
-    if target is not None and dot(target.sensor, start) >= target.value:
+    if target is not None and dot(target.sensor, held) >= target.value:
         history.reached = 0
     view = View(model, thermostats, target)
     while end is None or state.time < end:
@@ -108,7 +111,7 @@ def run(
         if jump:
             history.jumps.append(len(history.states) - 1)
             before = state.rate
-            state = _after_jump(view.model, state, renewals, history.ledger)
+            state = _after_jump(view.model, state, renewals, history, thermostats)
             following = min(following, _length_after_jump(view.model, before, state, schedule, following))
             if shortcut is not None:
                 view, state = shortcut.turn(history, view, state, following)
@@ -129,7 +132,13 @@ def run(
     return history
 
 
-def _after_jump(model: Model, state: State, renewals: Sequence[Renewal], ledger: Ledger) -> State:
+def _after_jump(
+    model: Model,
+    state: State,
+    renewals: Sequence[Renewal],
+    history: History,
+    thermostats: Sequence[Thermostat],
+) -> State:
     """Return the state with which to go on: parts that come fresh now are put in, the flow is found anew."""
     temperature, stored = state.temperature, state.stored
     for renewal in renewals:
@@ -137,16 +146,21 @@ def _after_jump(model: Model, state: State, renewals: Sequence[Renewal], ledger:
             temperature = temperature.copy()
             renewal.apply(temperature)
             stored = model.stored(temperature)
-            ledger.exchange(renewal.name, model.total(stored))
+            history.ledger.exchange(renewal.name, model.total(stored))
             model.changed()
+            if _set(
+                thermostats, temperature
+            ):  # a probe in a fresh part jumps past where it would have switched
+                history.switches.append(state.time)
     return State(state.time, temperature, stored, model.flow(state.time, temperature))
 
 
-def _preset(thermostats: Sequence[Thermostat], start: Array) -> None:
-    for thermostat in thermostats:
-        thermostat.heater.on = True
-        if thermostat.excess(start) >= 0.0:
-            thermostat.switch()
+def _set(thermostats: Sequence[Thermostat], temperature: Array) -> bool:
+    """Switch the thermostats whose probes have jumped past their switching temperature; whether any had."""
+    passed = [one for one in thermostats if one.excess(temperature) >= 0.0]
+    for one in passed:
+        one.switch()
+    return bool(passed)
 
 
 def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:

@@ -21,7 +21,7 @@ from hyperfab.chapters.mold_heat.problem import MoldBuilder
 from hyperfab.console import Console
 from hyperfab.documents.base import read_document, schema
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import read_vtu
 
@@ -621,3 +621,111 @@ def test_proposed_mold_takes_20_minutes_and_is_even(tmp_path):
     assert document["energy"]["supplied_J"] == pytest.approx(3.5e6, rel=0.02)
     assert document["work_surface"]["at_warmup"]["spread_K"] < 2.4
     assert document["energy"]["imbalance_relative"] < 1e-10
+
+
+BLOCK = """
+[[part]]
+name = "block"
+material = "aluminium"
+START
+box = { origin = ["0 mm", "0 mm", "20 mm"], size = ["100 mm", "80 mm", "20 mm"] }
+"""
+JOINT = """
+[[contact]]
+between = ["plate", "block"]
+h = "1000 W/m^2/K"
+schedule = "closed.csv"
+fresh = "20 degC"
+"""
+
+
+def test_a_thermostat_whose_probe_comes_fresh_switches_on_again(tmp_path):
+    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n100,0\n101,1\n600,1\n")
+    heater = """
+[[heater]]
+volume = "block"
+power = "1 kW"
+control = { probe = "centre", set = "60 degC", band = "4 K" }
+"""
+    probe = PROBE.replace('"20 mm"]', '"40 mm"]')
+    run = RUN.replace('"25 degC"', '"61 degC"').replace('"300 s"', '"600 s"')
+    status, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", "") + JOINT + heater + probe + run)
+    assert status == 0
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(60.0, abs=3.0)
+    assert 100.0 in document["switches_s"]  # the fresh block is cold: on at once
+
+
+def test_a_part_is_fresh_where_its_contact_closes_at_the_very_start(tmp_path):
+    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n1,1\n600,1\n")
+    run = RUN.replace('"25 degC"', '"200 degC"').replace('"300 s"', '"600 s"')
+    _, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", "") + JOINT + PROBE + run)
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(110.0, abs=0.1)
+
+
+def test_a_thermostat_whose_probe_is_held_hot_from_the_start_stays_off(tmp_path):
+    held = '[[temperature]]\non = "plate.z+"\nvalue = "90 degC"\n'
+    control = 'power = "400 W"\ncontrol = { probe = "centre", set = "60 degC", band = "4 K" }'
+    text = HEAD + HEATER.replace('power = "400 W"', control) + held + PROBE + RUN
+    status, document, _ = heat(tmp_path, text)
+    assert status == 0
+    assert document["energy"]["by_condition_J"]["heater plate.z-"] == 0.0
+
+
+def test_a_surface_held_at_the_target_has_reached_it(tmp_path):
+    held = '[[temperature]]\non = "plate.z+"\nvalue = "90 degC"\n'
+    _, document, _ = heat(tmp_path, HEAD + held + PROBE + RUN + 'target = "80 degC"\n')
+    assert document["warmup_time_s"] == 0.0
+
+
+def test_a_thermostat_that_would_switch_has_no_steady_state(tmp_path):
+    steady = RUN.replace('until = "300 s"', "steady = true")
+    control = 'power = "400 W"\ncontrol = { probe = "centre", set = "SET", band = "4 K" }'
+    text = HEAD + HEATER.replace('power = "400 W"', control) + FILM + PROBE + steady
+    with pytest.raises(InputError, match="switches off at 62") as refused:
+        heat(tmp_path, text.replace("SET", "60 degC"))
+    assert refused.value.key == "run.steady"
+    # One that would never switch off is a heater.
+    status, document, _ = heat(tmp_path, text.replace("SET", "5000 degC"))
+    assert status == 0
+    assert document["power_supplied_W"] == pytest.approx(400.0)
+
+
+@pytest.mark.parametrize("size", ["40 mm", "20 mm"])
+def test_parts_that_begin_apart_share_their_heat(tmp_path, size):
+    run = (
+        RUN.replace('"300 s"', '"1000 s"').replace('"25 mm"', f'"{size}"').replace('"25 degC"', '"300 degC"')
+    )
+    _, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", 'start = "0 degC"') + PROBE + run)
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(150.0, abs=1e-3)
+
+
+def test_a_part_with_its_own_start_is_laid_on_an_earlier_mold(tmp_path):
+    run = RUN.replace('"25 degC"', '"200 degC"')
+    heat(tmp_path, HEAD + PROBE + run, "hot")
+    later = RUN.replace('"25 degC"', '{ document = "hot.json" }').replace('"300 s"', '"1000 s"')
+    _, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", 'start = "0 degC"') + PROBE + later)
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(100.0, abs=1e-3)
+
+
+def test_heat_of_melting_is_passed_in_long_steps(tmp_path):
+    (tmp_path / "c.csv").write_text(
+        "temperature [degC],specific heat [J/kg/K]\n20,900\n100,1100\n110,5000\n130,5000\n140,1000\n"
+    )
+    text = HEAD.replace('"903 J/kg/K"', '{ table = "c.csv" }').replace("237", "20000")
+    heater = HEATER.replace("400 W", "1000 W")
+    status, document, _ = heat(
+        tmp_path, text + heater + PROBE + RUN.replace('"300 s"', '"900 s"') + 'target = "150 degC"\n'
+    )
+    heat_to_target = 0.5 * (912.5 + 1100) * 75 + 30500 + 100000 + 30000 + 10000
+    capacity = 2702 * 0.1 * 0.08 * 0.02
+    assert status == 0
+    assert document["warmup_time_s"] == pytest.approx(capacity * heat_to_target / 1000.0, rel=1e-3)
+
+
+def test_no_heater_is_scaled_beyond_its_bound(tmp_path):
+    text = PLATE.replace('until = "300 s"', 'target = "80 degC"')
+    wishes = {"share_power": True, "heater_max": "500 W"}
+    _, document, _ = heat(tmp_path, text, warmup_in="3 min", **wishes)
+    assert document["design"]["power_W"]["heater plate.z-"] <= 500.0
+    with pytest.raises(NotConverged, match="more than the 500 W of --heater-max"):
+        heat(tmp_path, text, warmup_in="30 s", **wishes)

@@ -9,7 +9,7 @@ from hyperfab.cases.mold import MoldCase
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.documents.heat import Design
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
 from hyperfab.thermal.model import without_route
 
@@ -90,4 +90,11 @@ def design(
         result.power_factor, result.runs = scale_for_warmup(case.warmup_in, time)
         scale(result.power_factor)
     result.power_W = {heater.name: float(heater.power.y.max()) for heater in heaters}
+    most = max(result.power_W, key=lambda name: result.power_W[name])
+    if case.heater_max is not None and result.power_W[most] > case.heater_max * (1.0 + 1e-6):
+        raise NotConverged(
+            f"the target in {case.warmup_in:g} s takes {result.power_W[most]:.6g} W of {most}, more than the "
+            f"{case.heater_max:g} W of --heater-max",
+            remedy="allow more power a heater, or a longer --warmup-in",
+        )
     return result

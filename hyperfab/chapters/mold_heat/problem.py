@@ -195,24 +195,30 @@ class MoldBuilder:
                 )
             closed = self.functions[f"contact.{number}"]
             opened = np.flatnonzero((closed.y[:-1] == 0.0) & (closed.y[1:] > 0.0))
-            times = tuple(float(t) for t in closed.x[opened] if t > 0.0)
+            times = tuple(float(t) for t in closed.x[opened] if t >= 0.0)
             found.append(Renewal(f"fresh {name}", nodes, contact.fresh, times))
         return found
 
     def start_field(self, problem: Problem) -> Array:
         """Return the temperatures at the start (n,) [degC]."""
-        start = self.document.run.start
+        start, solid = self.document.run.start, problem.mesh.solid
         field = np.zeros(problem.model.size)
         if problem.pieces is not None:
             problem.pieces.fresh(field)
+        own = {number: part.start for number, part in enumerate(self.document.part) if part.start is not None}
         if isinstance(start, EarlierField):
             assert self.earlier is not None
-            field[: problem.mesh.solid] = start_from(self.earlier, problem.mesh, self.name)
-            return field
-        field[: problem.mesh.solid] = start
-        for number, part in enumerate(self.document.part):
-            if part.start is not None:
-                field[np.unique(problem.mesh.elements[problem.mesh.parts == number])] = part.start
+            field[:solid] = start_from(self.earlier, problem.mesh, self.name, own)
+        else:
+            field[:solid] = start
+        if own:
+            by_part = np.repeat(field[:solid, None], len(self.document.part), axis=1)
+            for number, temperature in own.items():
+                by_part[:, number] = temperature
+            field[:solid] = problem.model.medium.joined(by_part)
+        for renewal in problem.renewals:
+            if 0.0 in renewal.times:
+                renewal.apply(field)
         return field
 
     def _material(self, key: str) -> ThermalMaterial:

@@ -206,6 +206,15 @@ def _steady(name: str, problem: Problem, start: Array) -> History:
     after = max(problem.corners, default=0.0)  # schedules and tables in time keep their last values
     state = initial_state(model, 0.0, start)
     temperature, _ = model.solve_steady(after, model.hold(after, start))
+    for thermostat in problem.thermostats:
+        if thermostat.excess(temperature) >= 0.0:
+            raise InputError(
+                f"there is no steady state: {thermostat.heater.name}, always on, would bring its thermostat's probe to "
+                f"{dot(thermostat.sensor, temperature):.6g} degC, and it switches off at {thermostat.threshold:g}",
+                file=name,
+                key="run.steady",
+                remedy='take the control out, or give until = "3600 s" in place of steady',
+            )
     history = History(Trail([state]), Ledger.begin(model, model.total(state.stored)))
     history.states.append(initial_state(model, after, temperature))
     return history

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -24,9 +26,10 @@ def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
     return read_field(inputs, name, read_document(inputs, name, HeatDocument), "tetra10", "temperature_degC")
 
 
-def start_from(grid: Grid, mesh: HeatMesh, mold: str) -> Array:
+def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int] = ()) -> Array:
     """Return an earlier field (points in mm) at the nodes of ``mesh``: part by part where the parts agree.
 
+    Parts by the numbers ``own`` begin at temperatures of their own, and need not have been there.
     Raises InputError where a node lies outside the earlier mold.
     """
     temperature = grid.point_data["temperature_degC"].astype(np.float64)
@@ -37,7 +40,7 @@ def start_from(grid: Grid, mesh: HeatMesh, mold: str) -> Array:
         return temperature
     together = parts.max() != mesh.parts.max()
     result = np.full(mesh.solid, np.nan)
-    for part in range(int(mesh.parts.max()) + 1):
+    for part in sorted(set(range(int(mesh.parts.max()) + 1)) - set(own)):
         theirs = np.ones(len(elements), dtype=bool) if together else parts == part
         mine = np.unique(mesh.elements[mesh.parts == part])
         nodes, weights, outside = Locator(points, elements[theirs]).find(mesh.points[mine])
