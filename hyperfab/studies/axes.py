@@ -107,7 +107,7 @@ def _list(name: str, section: AxisSection, file: str, place: str) -> Axis:
                 remedy="write all values of an axis in one unit",
             )
         found = tuple(level for level, _ in levels)
-        if len({level.text for level in found}) < len(found):
+        if len({level.value for level in found}) < len(found):
             raise InputError("a value stands twice", file=file, key=place, remedy="keep one of them")
         return Axis(name, units.pop(), found, drawn=False)
     (first, last), unit = _numbers((span.first, span.last), file, place)

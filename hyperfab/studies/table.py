@@ -116,17 +116,27 @@ def _step(
 def look_up(document: Any, key: str) -> Any:
     """Return what stands under a dotted key, or None.
 
+    A name may hold dots itself.
+
     >>> look_up({"regions": [{"area_mm2": 12.0}]}, "regions.0.area_mm2")
     12.0
+    >>> look_up({"power_lost_W": {"convection plate.z+": 3.0}}, "power_lost_W.convection plate.z+")
+    3.0
     """
-    for part in key.split("."):
-        if isinstance(document, Mapping) and part in document:
-            document = document[part]
-        elif isinstance(document, list) and part.isdecimal() and int(part) < len(document):
-            document = document[int(part)]
+    parts = key.split(".")
+    for count in range(1, len(parts) + 1):
+        name, rest = ".".join(parts[:count]), ".".join(parts[count:])
+        if isinstance(document, Mapping) and name in document:
+            found = document[name]
+        elif isinstance(document, list) and name.isdecimal() and int(name) < len(document):
+            found = document[int(name)]
         else:
-            return None
-    return document
+            continue
+        if rest:
+            found = look_up(found, rest)
+        if found is not None:
+            return found
+    return None
 
 
 def to_csv(table: Table) -> bytes:

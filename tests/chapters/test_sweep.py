@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import sys
@@ -45,6 +46,8 @@ def sweep(hf: Run, folder: Path, study: str, *options: str) -> tuple[int, str]:
         ('name = "Laws"', 'nmae = "Laws"', 3, "nmae: is not a key of this document"),
         ('values = ["neo-hookean", "yeoh-2"]', "values = []", 3, "the axis is empty"),
         ("fit.fit.relative_rms", "fit.fit.relative_rsm", 3, "hf fit writes no fit.relative_rsm"),
+        ("fit.fit.relative_rms", "fit.models.0.mdoel", 3, "hf fit writes no models.0.mdoel"),
+        ('"neo-hookean", "yeoh-2"', "1, 1.0", 3, "a value stands twice"),
         ("fit.fit.relative_rms", "fat.fit.relative_rms", 3, "begins with no step"),
         ('command = "fit"', 'command = "fitt"', 3, "close-loop; hf --help lists the commands"),
         ('"--model"', '"--modle"', 3, "hf fit has no option --modle; --model may be meant"),
@@ -125,3 +128,10 @@ def test_the_table_as_parquet_holds_what_the_csv_holds(hf: Run, tmp_path: Path) 
     assert found["relative_rms"].dtype == "float64"
     assert found["relative_rms"].tolist() == told["relative_rms"].tolist()
     assert found["status"].tolist() == told["status"].tolist()
+
+
+def test_figures_may_be_of_what_has_a_name_of_its_own(hf: Run, tmp_path: Path) -> None:
+    figures = 'uniaxial = "fit.fit.tests.uniaxial.relative_rms"\nleast = "fit.validity.0.used.0"\n'
+    sweep(hf, tmp_path, STUDY + figures)
+    rows = list(csv.DictReader((tmp_path / "out" / "sweep.csv").read_text().splitlines()))
+    assert all(row["uniaxial"] == row["relative_rms"] and row["least"] for row in rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import types
 import typing
 from typing import Any
 
@@ -66,6 +67,10 @@ def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: 
     """Follow a dotted key through the classes of a document, as far as they name their keys."""
     current: Any = cls
     for part in key.split("."):
+        items = _items(current)
+        if items is not None and part.isdecimal():
+            current = items
+            continue
         model = _model(current)
         if model is None:
             return
@@ -82,10 +87,24 @@ def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: 
 
 def _model(annotation: Any) -> type[BaseModel] | None:
     """Return the document class behind an annotation such as ``Energy | None``; None where keys are free."""
-    for option in (annotation, *typing.get_args(annotation)):
+    for option in _options(annotation):
         if isinstance(option, type) and issubclass(option, BaseModel):
             return option
     return None
+
+
+def _items(annotation: Any) -> Any:
+    """Return what a list, such as ``list[Region] | None``, is of; None for anything else."""
+    for option in _options(annotation):
+        if typing.get_origin(option) is list:
+            return typing.get_args(option)[0]
+    return None
+
+
+def _options(annotation: Any) -> tuple[Any, ...]:
+    """Return what an annotation allows: itself, or the members of a union; what containers hold is not among it."""
+    union = typing.get_origin(annotation) in (typing.Union, types.UnionType)
+    return typing.get_args(annotation) if union else (annotation,)
 
 
 def _check_document(plan: Plan, name: str) -> None:
