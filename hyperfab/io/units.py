@@ -89,6 +89,8 @@ KINDS: dict[str, Kind] = {kind.name: kind for kind in _ALL}
 
 _NUMBER = r"[+-]?(?:\d{1,40}(?:\.\d{0,40})?|\.\d{1,40})(?:[eE][+-]?\d{1,3})?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*", re.ASCII | re.DOTALL)
+#: What may be a product as well as two sizes, 200x200 mm; powers of ten are neither.
+_TIMES = re.compile(r"[x*×·⋅]\s*(?!10\s*[\^⁻⁺⁰¹²³⁴-⁹])\d")
 #: Between a quantity and its standard deviation.
 _MARK = re.compile(r"\+/-|\+-|±")
 #: Kinds that scales show as weights; standard gravity [m/s^2].
@@ -213,6 +215,8 @@ def _of_text(value: str, kind: Kind) -> float:
     number, unit = match.groups()
     if not unit and kind.unit != "1":
         raise UnitError(f"{_article(kind)} needs its unit; write {_form(number, kind)}")
+    if _TIMES.match(unit):
+        raise UnitError(f"may be a product or two sizes; write one number, as in {kind.example}")
     factor, offset = _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)
     exact = Fraction(number) * factor + offset
     if kind.offset and exact < _ABSOLUTE_ZERO_C:

@@ -23,6 +23,8 @@ from hyperfab.io.units import KINDS, column_factor, quantity, tolerance, worded
         ("1 ft", "length", 304.8),
         ("1 mil", "length", 0.0254),
         ("0.6mm", "length", 0.6),
+        ("2x10^3 mm", "length", 2000.0),
+        ("2·10⁻³ m", "length", 2.0),
         ("60 µm", "length", 0.06),
         ("3 millimeters", "length", 3.0),
         ("1 mile", "length", 1609344.0),
@@ -116,6 +118,9 @@ def test_the_example_of_each_kind_is_one(kind: str) -> None:
         (["60mm"], "length", "is written 60mm"),
         (float("nan"), "dimensionless", "no finite number"),
         (10**400, "dimensionless", "no finite number"),
+        ("20x20 mm", "length", "may be a product or two sizes; write one number, as in 60mm"),
+        ("4*100 W", "power", "may be a product or two sizes"),
+        ("0x10 mm", "length", "may be a product or two sizes"),
     ],
 )
 def test_what_is_no_quantity_is_refused_with_the_right_form(text: object, kind: str, said: str) -> None:
