@@ -36,8 +36,13 @@ class Output:
     """
 
     def __init__(self, target: str, suffixes: Sequence[str] = ()) -> None:
-        if target not in ("-", os.devnull) and not Path(target).suffix and not os.path.isdir(target):
-            target += ".json"
+        if target not in ("-", os.devnull):
+            if os.path.exists(target) and not os.path.isfile(target) and not os.path.isdir(target):
+                raise UsageError(
+                    f"--output {target}: is a device and takes no files; write - for standard output"
+                )
+            if not Path(target).suffix and not os.path.isdir(target):
+                target += ".json"
         self.target = target
         self._siblings: dict[str, bytes] = {}
         self._suffixes = tuple(suffixes)

@@ -15,7 +15,9 @@ from pathlib import Path
 import pytest
 
 from hyperfab.cli import app
+from hyperfab.errors import UsageError
 from hyperfab.io import atomic
+from hyperfab.io.output import Output
 
 ROOT = Path(__file__).resolve().parents[2]
 UNIAXIAL = ROOT / "specimens/treloar-1944/uniaxial.csv"
@@ -169,3 +171,10 @@ def test_killed_at_any_moment_the_document_is_old_or_new(tmp_path: Path) -> None
         process.kill()
         process.wait()
         assert target.read_bytes() in (old, new)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_a_device_or_a_pipe_gets_no_files_beside_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(UsageError, match="write - for standard output"):
+        Output(str(tmp_path / "pipe"), (".csv",))
