@@ -130,8 +130,8 @@ class Descent:
 
     Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit forgives
     specimens that were led alike what they differ by in stiffness, not what they have in common: in a metric that
-    forgives that too a wrong model would drift off the data. What is left is then given in the full metric of the noise.
-    ``coarse`` stops where what can still be gained no longer matters in a comparison.
+    forgives that too a wrong model would drift off the data. What is left is then given in the full metric of the
+    noise. ``coarse`` stops where what can still be gained no longer matters in a comparison.
     """
 
     def __init__(
