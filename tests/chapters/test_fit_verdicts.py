@@ -287,3 +287,34 @@ def test_a_tissue_pressed_and_pulled_is_not_held_to_what_rubbers_do(hf: Run, tmp
     truth = 0.1 * (principal ** (power - 1.0) - principal ** (-power - 1.0)) / power
     real = float(np.sqrt(np.mean((sheared / truth - 1.0) ** 2)))
     assert 0.5 * real < stated < 5.0 * max(real, 0.06)
+
+
+def test_readings_that_are_but_noise_near_zero_are_told_and_counted_by_the_noise(
+    hf: Run, tmp_path: Path
+) -> None:
+    """Mounted slack the first rows read the noise of the load cell: their ratio to a law's stress says nothing."""
+    random, stretch = np.random.default_rng(7), np.linspace(1.0, 2.0, 60)
+    own = np.maximum(stretch - 0.01, 1.0)
+    stress = 2.0 * 0.4 * (own - own**-2) + 0.005 * random.standard_normal(60)
+    stress[1] = 2e-5
+    lines = [f"{x:.5f},{y:.5f}" for x, y in zip(stretch, stress, strict=True)]
+    (tmp_path / "strip.csv").write_text("\n".join(["# test: uniaxial", "stretch,stress [MPa]", *lines, ""]))
+    fit = ("fit", "strip.csv", "--model", "yeoh-3")
+    alone = hf(*fit, "-o", "alone.json", cwd=tmp_path).stderr.decode()
+    assert "near zero" in alone
+    noise = alone.split("--noise ")[1].split()[0]
+    assert float(noise.removesuffix("MPa")) == pytest.approx(0.005, rel=0.3)
+    told = hf(*fit, "--noise", noise, "-o", "told.json", cwd=tmp_path)
+    assert told.returncode == 0
+    assert b"near zero" not in told.stderr
+    document = json.loads((tmp_path / "told.json").read_text())
+    assert document["accepted"] is True
+    before = json.loads((tmp_path / "alone.json").read_text())
+    assert document["fit"]["nrmse"] < 0.02 < 0.05 < before["fit"]["nrmse"]
+    # Both sides of zero are the noise's; a law has no say at rest.
+    assert document["left_out"] == {"stretch is 1, every law gives zero stress": 1}
+    sizes = np.maximum(np.abs(stress[1:]), 10.0 * float(noise.removesuffix("MPa")))
+    C1, C2, C3 = document["parameters"].values()
+    first = stretch**2 + 2.0 / stretch - 3.0
+    model = 2.0 * (C1 + 2.0 * C2 * first + 3.0 * C3 * first**2) * (stretch - stretch**-2)
+    assert document["fit"]["E2"] == pytest.approx(np.sum(((model - stress)[1:] / sizes) ** 2), rel=1e-3)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.chapters.fit.identify import Identified, Setting
+from hyperfab.chapters.fit.identify import NOISY, Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
 from hyperfab.numerics.hygiene import scatter
@@ -21,6 +21,8 @@ SMALL = 0.05
 ENOUGH = 8
 #: From so many rows on a curve shows its own noise.
 DENSE = 40
+#: A share that is most: of the squared error, and of the readings that are missed.
+MOST = 0.5
 #: So many readings are named in warnings; the document has all.
 SHOWN = 5
 
@@ -57,7 +59,30 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
         found += _wild(part, setting, where)
         found += _single_readings(part, rows_of(part, sets, name), setting)
+        found += _near_zero(part, rows_of(part, sets, name), setting, where)
     return found
+
+
+def _near_zero(part: Identified, curves: Sequence[TestCurve], setting: Setting, where: str) -> list[str]:
+    """Say where readings that are little but noise decide a relative fit, and the others are missed for them."""
+    if not setting.relative or setting.noise is not None:
+        return []
+    rows, leverage = part.fit.problem.rows, part.certainty.leverage
+    noise = np.array(
+        [scatter(one.stress) if len(one.stress) >= DENSE else 0.0 for one in setting.used(curves)]
+    )
+    own = noise[rows.curve]
+    near = np.abs(rows.stress) < NOISY * own
+    others = ~near & (own > 0.0)
+    missed = np.abs(part.fit.residual * rows.stress) > FAR * own
+    # One constant decided by them is enough: what they tell of it the others cannot put right.
+    if leverage[near].sum() < MOST or not others.any() or np.mean(missed[others]) < MOST:
+        return []
+    return [
+        f"{near.sum()} of {len(near)} readings near zero, below ten times what neighbours scatter by, decide the "
+        f"constants{where}, and most others are missed: --noise {noise.max():.2g}MPa lets them count by their absolute "
+        "error, --preload takes slack out"
+    ]
 
 
 def _first_unstable(part: Identified) -> str:

@@ -102,14 +102,19 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
         such = " that are stable over the data" if setting.stable else ""
         return f"the law cannot carry these stretches with constants in its box{such}"
     measured, model = rows.stress, _model_stress(fit, rows)
-    total = figures(measured, model)
+    floor = _floor(used, setting)
+    total = figures(measured, model, floor)
     if total is None:
         return "the law has no finite stress on these rows"
     ranges = tuple(stable_ranges(material) for material in fit.materials)
     stable = _stable(fit.materials, ranges, pairs(law, curves), curves)
     if setting.stable and not stable:
         return "no constants in its box could be shown to be stable over the data"
-    per_temperature = [figures(measured[rows.group == g], model[rows.group == g]) for g in range(rows.groups)]
+    per_temperature = [
+        figures(measured[own], model[own], floor[own])
+        for g in range(rows.groups)
+        for own in [rows.group == g]
+    ]
     specimens, kinds = [specimen_of(one) for one in used], [kind_of(one) for one in used]
     deviation = _stated(used, setting)
     sure = [certainty(fit, g, specimens, kinds, deviation) for g in range(rows.groups)]
@@ -154,7 +159,11 @@ def along_direction(
     part.tests.update({mode: _test(part, mode, curves, setting) for mode in _modes(curves)})
     used = setting.used(curves)
     own = [predict(part, curve)[0] for curve in used]
-    total = figures(np.concatenate([curve.stress for curve in used]), np.concatenate(own))
+    total = figures(
+        np.concatenate([curve.stress for curve in used]),
+        np.concatenate(own),
+        np.concatenate([_below(curve, setting) for curve in used]),
+    )
     return part if total is None else replace(part, total=total)
 
 
@@ -304,6 +313,19 @@ def _deviation(reading: TestCurve, setting: Setting) -> Array | float | None:
     return reading.stress_sd if reading.stress_sd is not None else setting.noise
 
 
+def _below(reading: TestCurve, setting: Setting) -> Array:
+    """Return the stress [MPa] below which each reading of a curve counts by its absolute error: 0 if always by its share."""
+    sd = _deviation(reading, setting) if setting.relative else None
+    return np.broadcast_to(NOISY * np.asarray(0.0 if sd is None else sd), reading.stress.shape)
+
+
+def _floor(used: Sequence[TestCurve], setting: Setting) -> Array:
+    """Return the same for each row of ``Rows.of``."""
+    return np.concatenate(
+        [np.tile(_below(curve, setting), 2 if curve.mode == "biaxial-general" else 1) for curve in used]
+    )
+
+
 def _stated(used: Sequence[TestCurve], setting: Setting) -> Array | None:
     """Return the standard deviation [MPa] of each row of ``Rows.of``, None where it is not stated of all."""
     found = []
@@ -322,8 +344,7 @@ def _weighted(reading: TestCurve, setting: Setting) -> TestCurve:
     def weight(stress: Array) -> Array:
         if not setting.relative:
             return np.ones_like(stress) if sd is None else np.ones_like(stress) / sd
-        floor = 0.0 if sd is None else NOISY * np.asarray(sd)
-        return 1.0 / np.maximum(np.abs(stress), floor)
+        return 1.0 / np.maximum(np.abs(stress), _below(reading, setting))
 
     second = None if reading.stress2 is None else weight(reading.stress2)
     return replace(reading, weight=weight(reading.stress), weight2=second)
@@ -347,5 +368,6 @@ def _model_stress(fit: Fit, rows: Rows) -> Array:
 def _test(
     found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
 ) -> tuple[Figures | None, int, bool]:
-    rows, model = compared((curve, *predict(found, curve)) for curve in curves if curve.mode == mode)
-    return figures(rows, model), len(rows), mode not in setting.fit_on
+    own = [curve for curve in curves if curve.mode == mode]
+    rows, model = compared((curve, *predict(found, curve)) for curve in own)
+    return figures(rows, model, _floor(own, setting)), len(rows), mode not in setting.fit_on

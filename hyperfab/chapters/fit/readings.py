@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
+from hyperfab.chapters.fit.identify import NOISY
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
@@ -114,13 +115,14 @@ def gather(
     relative: bool,
     carried_by: Sequence[str] = CARRIED,
     sheet: bool = True,
+    noise: float | None = None,
 ) -> Readings:
     """Return the curves of ``tests``: nominal stress in MPa, one temperature each, after ``steps``.
 
     Specimens of a ``sheet`` have one thickness; of a body, as foam, blocks and strips may be cut, and none is its own.
 
-    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted; so are tests
-    other than those ``carried_by`` the law.
+    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted, but for those that
+    its ``noise`` [MPa] accounts for; so are tests other than those ``carried_by`` the law.
     """
     sheets = [test for test in tests if test.mode != "volumetric"]
     volumetric = [test for test in tests if test.mode == "volumetric"]
@@ -154,7 +156,7 @@ def gather(
         [(temperature, _)] = _by_temperature(test, clusters)
         found.curves.append(replace(test, temperature=temperature, warmth=_warmth(test)))
     if relative:
-        found.curves = [_without_zeros(curve, found.left_out) for curve in found.curves]
+        found.curves = [_without_zeros(curve, found.left_out, noise) for curve in found.curves]
     found.curves = [curve for curve in found.curves if len(curve.stretch)]
     if not found.curves:
         raise InputError(
@@ -224,15 +226,24 @@ def _warmth(test: TestData) -> tuple[float, float] | None:
     return float(test.temperature_degC.min()), float(test.temperature_degC.max())
 
 
-def _without_zeros(curve: TestCurve, left_out: Counter[str]) -> TestCurve:
-    """Leave out rows that have no ratio of model to measured stress."""
-    zero = np.abs(curve.stress) <= ZERO * float(np.abs(curve.stress).max(initial=0.0))
+def _without_zeros(curve: TestCurve, left_out: Counter[str], noise: float | None) -> TestCurve:
+    """Leave out rows that have no ratio of model to measured stress.
+
+    Readings near zero whose noise is known count by their absolute error, on both sides of it.
+    """
+    sd = curve.stress_sd if curve.stress_sd is not None else noise
+    floor = np.broadcast_to(0.0 if sd is None else NOISY * sd, curve.stress.shape)
+
+    def nothing(stress: Array) -> NDArray[np.bool_]:
+        return np.asarray((np.abs(stress) <= ZERO * float(np.abs(stress).max(initial=0.0))) & (floor == 0.0))
+
+    zero = nothing(curve.stress)
     rest = (curve.stretch == 1.0) & ~zero
-    against = ~zero & ~rest & ((curve.stretch - 1.0) * curve.stress < 0.0)
+    against = ~zero & ~rest & ((curve.stretch - 1.0) * curve.stress < 0.0) & (np.abs(curve.stress) > floor)
     if curve.mode == "biaxial-general":
         assert curve.stress2 is not None
         assert curve.stretch2 is not None
-        zero |= np.abs(curve.stress2) <= ZERO * float(np.abs(curve.stress2).max(initial=0.0))
+        zero |= nothing(curve.stress2)
         rest = (curve.stretch == 1.0) & (curve.stretch2 == 1.0) & ~zero
         against = np.zeros_like(zero)
     for reason, rows in (

@@ -47,19 +47,19 @@ def run(job: Job, case: FitCase) -> int:
         "volumetric": case.volumetric,
     }
     sizes, steps = geometry(case), steps_of(case)
-    floor = _stress(case.noise, "--noise", sizes)
+    noise = _stress(case.noise, "--noise", sizes)
     told: list[str] = []
     tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
     out.refuse_inputs(job.inputs)
     foam = model in ORDERS
     # A foam's rows count by their share of the largest stress: none is without meaning.
-    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED, not foam)
+    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED, not foam, noise)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
-    if floor is not None:
-        readings.preparation.append(f"noise of {floor:g} MPa taken into account in the weights")
-    setting = Setting(chosen, relative and not foam, case.stable, case.accept, floor)
+    if noise is not None:
+        readings.preparation.append(f"noise of {noise:g} MPa taken into account in the weights")
+    setting = Setting(chosen, relative and not foam, case.stable, case.accept, noise)
     fitted = _whole if foam or model == "orthotropic" else _by_direction
     document, beside = fitted(job, readings, setting, case)
     if not foam:

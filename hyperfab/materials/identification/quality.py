@@ -14,7 +14,10 @@ from hyperfab.materials.kinematics import Array
 
 @dataclass(frozen=True)
 class Figures:
-    """``E2 = sum((1 - model/measured)^2)``, its root mean square, and the rms error over the largest stress."""
+    """``E2 = sum((1 - model/measured)^2)``, its root mean square, and the rms error over the largest stress.
+
+    Where the noise is known a reading near zero counts by its absolute error.
+    """
 
     E2: float
     relative_rms: float
@@ -22,16 +25,19 @@ class Figures:
     points: int
 
 
-def figures(measured: Array, model: Array) -> Figures | None:
-    """Return the figures of a test; rows measured as zero count in ``nrmse`` alone. None without a model value.
+def figures(measured: Array, model: Array, floor: Array | float = 0.0) -> Figures | None:
+    """Return the figures of a test; None without a model value.
+
+    A reading below its ``floor`` (rows,) counts by its error over that; one of zero without a floor in ``nrmse`` alone.
 
     >>> round(figures(np.array([1.0, 2.0]), np.array([1.1, 2.0])).relative_rms, 12)
     0.070710678119
     """
     if not len(measured) or not np.isfinite(model).all():
         return None
-    seen = measured != 0.0
-    ratio = 1.0 - model[seen] / measured[seen]
+    size = np.maximum(np.abs(measured), floor)
+    seen = size > 0.0
+    ratio = (measured - model)[seen] / size[seen]
     E2 = float(ratio @ ratio)
     error = model - measured
     peak = float(np.abs(measured).max())
