@@ -14,11 +14,11 @@ from scipy.special import chdtrc
 from hyperfab.arrays import Array
 from hyperfab.loop.belief import Belief, allowed, surprise
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.fitting import Fit, fit, orthonormal
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Form, Problem
-from hyperfab.loop.score import orthonormal, projected
+from hyperfab.loop.score import projected
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
 

@@ -83,6 +83,16 @@ def inverse(matrix: Array, rcond: float) -> Array:
     return np.asarray(np.linalg.pinv(matrix * both, rcond=rcond, hermitian=True) * both)
 
 
+def orthonormal(matrix: Array) -> Array:
+    """Return an orthonormal basis (rows, k) of what the columns of a tall matrix span."""
+    norms = np.sqrt(np.sum(matrix**2, axis=0))
+    scaled = matrix[:, norms > 0.0] / norms[norms > 0.0]
+    # By the small Gram matrix: much quicker than a decomposition of the tall one, and exact enough to project with.
+    sizes, vectors = np.linalg.eigh(scaled.T @ scaled)
+    sure = sizes > 1e-11 * max(float(sizes[-1]), 1.0) if len(sizes) else np.zeros(0, dtype=bool)
+    return np.asarray(scaled @ (vectors[:, sure] / np.sqrt(sizes[sure])))
+
+
 def fit(
     problem: Problem,
     noise: Noise,
@@ -369,10 +379,8 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Arr
     misfits = []
     for metric in metrics:
         left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(slope)
-        size = np.sqrt(np.sum(columns**2, axis=0))
-        columns = columns[:, size > 0.0] / size[size > 0.0]
-        step = np.linalg.lstsq(columns, left, rcond=1e-9)[0]
-        rest = (left - columns @ step) ** 2
+        basis = orthonormal(columns)
+        rest = (left - basis @ (basis.T @ left)) ** 2
         misfits.append([float(np.sum(rest[problem.channel == kind])) for kind in np.unique(problem.channel)])
     return np.array(misfits)
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import erfc
 
 from hyperfab.arrays import Array
-from hyperfab.loop.fitting import Fit
+from hyperfab.loop.fitting import Fit, orthonormal
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Effect, Form, Problem
 
@@ -128,13 +128,3 @@ def projected(fit: Fit) -> tuple[Array, Array]:
     # At the optimum the residual with its prior rows is orthogonal to the basis; held bounds leave a little.
     residual = np.concatenate([fit.residual, np.zeros(len(root))])
     return basis, residual - basis @ (basis.T @ residual)
-
-
-def orthonormal(matrix: Array) -> Array:
-    """Return an orthonormal basis (rows, k) of what the columns of a tall matrix span."""
-    norms = np.sqrt(np.sum(matrix**2, axis=0))
-    scaled = matrix[:, norms > 0.0] / norms[norms > 0.0]
-    # By the small Gram matrix: much quicker than a decomposition of the tall one, and exact enough to project with.
-    sizes, vectors = np.linalg.eigh(scaled.T @ scaled)
-    sure = sizes > 1e-11 * max(float(sizes[-1]), 1.0) if len(sizes) else np.zeros(0, dtype=bool)
-    return np.asarray(scaled @ (vectors[:, sure] / np.sqrt(sizes[sure])))

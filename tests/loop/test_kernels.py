@@ -16,7 +16,7 @@ from scipy.stats import norm
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.dependence import dependence, period, suggestion
-from hyperfab.loop.fitting import fit, inverse
+from hyperfab.loop.fitting import fit, inverse, orthonormal
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import (
     autocorrelation,
@@ -28,7 +28,7 @@ from hyperfab.loop.judge import (
 )
 from hyperfab.loop.noise import Noise, estimate_noise
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
-from hyperfab.loop.score import greatest_by_chance, orthonormal, points_at, signatures
+from hyperfab.loop.score import greatest_by_chance, points_at, signatures
 from hyperfab.loop.search import Search
 
 COUNT, SD = 60, 0.05

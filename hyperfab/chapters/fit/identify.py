@@ -314,7 +314,7 @@ def _deviation(reading: TestCurve, setting: Setting) -> Array | float | None:
 
 
 def _below(reading: TestCurve, setting: Setting) -> Array:
-    """Return the stress [MPa] below which each reading of a curve counts by its absolute error: 0 if always by its share."""
+    """Return the stress [MPa] below which each reading of a curve counts by its absolute error; 0: always relative."""
     sd = _deviation(reading, setting) if setting.relative else None
     return np.broadcast_to(NOISY * np.asarray(0.0 if sd is None else sd), reading.stress.shape)
 

@@ -121,8 +121,8 @@ def gather(
 
     Specimens of a ``sheet`` have one thickness; of a body, as foam, blocks and strips may be cut, and none is its own.
 
-    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted, but for those that
-    its ``noise`` [MPa] accounts for; so are tests other than those ``carried_by`` the law.
+    With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted, but for those
+    that its ``noise`` [MPa] accounts for; so are tests other than those ``carried_by`` the law.
     """
     sheets = [test for test in tests if test.mode != "volumetric"]
     volumetric = [test for test in tests if test.mode == "volumetric"]
