@@ -12,7 +12,7 @@ from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
-from hyperfab.report.bands import banded, evenness, figure, made_of, warmup
+from hyperfab.report.bands import banded, constant, evenness, made_of, warmup
 
 Plain = Mapping[str, Any]
 
@@ -74,7 +74,7 @@ def _constants(values: Plain, fit: Plain) -> str:
     """Return constants with their standard deviations, where those are known, and what these are of."""
     sd = fit.get("parameters_sd") or {}
     told = ", ".join(
-        f"{name} {figure(value, sd[name]) if name in sd else format(value, '.5g')}"
+        f"{name} {constant(value, sd[name]) if name in sd else format(value, '.5g')}"
         for name, value in values.items()
     )
     alone = (fit.get("uncertainty") or {}).get("source") in ("readings", "stated")

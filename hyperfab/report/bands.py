@@ -15,6 +15,8 @@ HEADLINES = (
     "contact_fraction", "pressure_max_MPa", "gap_mean_mm",
 )  # fmt: skip
 
+#: A number whose standard deviation is so many times as large is not told by what it was found from.
+_NOT_TOLD = 10.0
 #: Figures below this are told with a power of ten.
 _SMALL = 1e-5
 
@@ -34,6 +36,24 @@ def figure(value: float, sd: float) -> str:
         scale = 10.0 ** floor(log10(larger))
         return f"({_rounded(value / scale, sd / scale)} ± {_rounded(sd / scale, sd / scale)})e{log10(scale):03.0f}"
     return f"{_rounded(value, sd)} ± {_rounded(sd, sd)}"
+
+
+def determined(value: float, sd: float) -> bool:
+    """Whether a number, unless it is none, is told at all by what its standard deviation rests on.
+
+    >>> determined(0.6, 0.4), determined(0.6, 1e6)
+    (True, False)
+    """
+    return value == 0.0 or sd < _NOT_TOLD * abs(value)
+
+
+def constant(value: float, sd: float) -> str:
+    """Return a constant rounded by its standard deviation, as it stands where it is not determined.
+
+    >>> constant(0.5982, 0.0123), constant(0.5982, 1.1e6)
+    ('0.598 ± 0.012', '0.598 (undetermined)')
+    """
+    return figure(value, sd) if determined(value, sd) else f"{value:.3g} (undetermined)"
 
 
 def interval(low: float, high: float, sd: float) -> tuple[str, str]:

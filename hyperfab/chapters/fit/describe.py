@@ -28,7 +28,7 @@ from hyperfab.documents.material import (
 )
 from hyperfab.materials.identification.quality import Certainty, Figures
 from hyperfab.materials.stability import stable_plane
-from hyperfab.report.bands import figure
+from hyperfab.report.bands import constant
 
 Reach = Mapping[str, tuple[float, float]]
 
@@ -245,5 +245,5 @@ def parameters_line(found: Identified) -> str:
     for name, value, sd in zip(
         found.certainty.names, found.material.parameters.values(), found.certainty.sd, strict=True
     ):
-        parts.append(f"{name} {figure(value, sd if math.isfinite(sd) else 0.0)}")
+        parts.append(f"{name} {constant(value, sd if math.isfinite(sd) else 0.0)}")
     return ", ".join(parts)

@@ -12,6 +12,7 @@ from hyperfab.chapters.fit.identify import NOISY, Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
 from hyperfab.numerics.hygiene import scatter
+from hyperfab.report.bands import determined
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.
 FAR = 6.5
@@ -48,6 +49,8 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
         sure = part.certainty
         weak = [
             f"{constant} ± {100 * sd / abs(value):.0f} %"
+            if determined(value, sd)
+            else f"{constant} not at all"
             for constant, value, sd in zip(
                 sure.names, part.material.parameters.values(), sure.sd, strict=True
             )
@@ -55,7 +58,11 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
         ]
         if weak:
             found.append(f"constants the tests hardly determine{where}: {', '.join(weak)}")
-        if sure.condition_number > 1e4:
+        if not np.isfinite(sure.condition_number):
+            found.append(
+                f"some constants move nothing in these tests{where}: a law with fewer would carry them as well"
+            )
+        elif sure.condition_number > 1e4:
             found.append(f"ill-conditioned{where}: the condition number is {sure.condition_number:.1e}")
         found += _wild(part, setting, where)
         found += _single_readings(part, rows_of(part, sets, name), setting)
