@@ -43,7 +43,7 @@ class Search:
         given = np.array([constant.value for constant in self.problem.own])
         fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
-        if not np.isfinite(best.chi2) or best.chi2 <= TOLD**2 * len(best.residual):
+        if not np.isfinite(best.chi2) or best.cost <= TOLD**2 * len(best.residual):
             return self.state(best)
         # What the model misses counts as noise: the quietest test must not be all that it is fitted to. What a term is
         # worth is told from the model's own optimum under the noise, as that of every larger one is.
