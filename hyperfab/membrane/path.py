@@ -23,6 +23,12 @@ _MOST_FAILURES, _MORE_FAILURES = 40, 4
 #: Pivots this far below zero, relative to the median, count as negative.
 _PIVOT_NOISE = 1e-9
 
+#: What a step's rise of energy may lack or exceed of the work of the forces at its ends: a part of force times depth.
+_ODD_WORK = 0.05
+#: The larger stretch changes by no more than this factor within an element of a sheet that has snapped.
+_MOST_CHANGE = 3.0
+#: How far beyond the last equilibrium one may be sought that no path leads to, over the sheet's reach.
+_LEAP = 0.75
 #: Part of the expected way to a turning point that is tried at once.
 _SHY = 0.8
 #: Rounds of the active-set method for a first guess of the shape.
@@ -89,23 +95,24 @@ def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: N
     path = Path()
     footings = path.footings
     for depth in depths:
-        try:
-            _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
-        except NoEquilibriumError as error:
-            limit = _limit(footings, depth, error)
-            stays = press.tangential.remembers or limit.bands is not None
-            beyond = None if stays else _jumped(press, depth)
-            if beyond is not None and limit.depth > 0.0:
-                path.jumps.append((limit.depth, depth))
-                footings.append(beyond)
-                path.iterations += beyond.state.iterations
-                path.states.append(beyond.state)
-                watch(beyond.state)
-                continue
-            path.limit = limit
-            if footings and (not path.states or footings[-1].state.depth > path.states[-1].depth):
-                path.states.append(footings[-1].state)
-            return path
+        while not footings or footings[-1].state.depth < depth:
+            try:
+                _advance(press, footings, depth, _SMALLEST_STEP * depths[-1], path, watch)
+            except NoEquilibriumError as error:
+                limit = _limit(footings, depth, error)
+                stays = press.tangential.remembers or limit.bands is not None or limit.depth == 0.0
+                leap = min(depth, limit.depth + _LEAP * press.sheet.reach)
+                beyond = None if stays else _jumped(press, leap, footings[-1].state)
+                if beyond is not None:
+                    path.jumps.append((limit.depth, leap))
+                    footings.append(beyond)
+                    path.iterations += beyond.state.iterations
+                    watch(beyond.state)
+                    continue
+                path.limit = limit
+                if footings and (not path.states or footings[-1].state.depth > path.states[-1].depth):
+                    path.states.append(footings[-1].state)
+                return path
         path.states.append(footings[-1].state)
     return path
 
@@ -131,7 +138,7 @@ def _advance(
     press: Press, footings: list[Footing], target: float, smallest: float, path: Path, watch: Watch
 ) -> None:
     """Reach ``target`` from the last footing, by halved steps where need be."""
-    step = target - (footings[-1].state.depth if footings else 0.0)
+    step = target - footings[-1].state.depth if footings else min(target, _LEAP * press.sheet.reach)
     failed = False
     while not footings or footings[-1].state.depth < target:
         here = footings[-1].state.depth if footings else 0.0
@@ -158,12 +165,29 @@ def _advance(
             raise NoEquilibriumError("the steps became too small")
 
 
-def _jumped(press: Press, depth: float) -> Footing | None:
-    """Return a stable equilibrium at ``depth`` that no path led to, None where a cold start finds none."""
+def _jumped(press: Press, depth: float, last: State) -> Footing | None:
+    """Return a stable equilibrium at ``depth`` that no path led to, None where a cold start finds none.
+
+    A sheet that snaps loses energy: one that holds more than the punch can have done since ``last`` is none, nor is
+    one whose stretch changes so much within an element that a finer mesh would find another.
+    """
     try:
-        return next_footing(press, None, depth)
+        beyond = next_footing(press, None, depth)
     except NoEquilibriumError:
         return None
+    stretch = press.sheet.principal(beyond.state.places).stretch.max(axis=1)
+    in_element = stretch.reshape(len(press.sheet.mesh.elements), -1)
+    resolved = (in_element.max(axis=1) <= _MOST_CHANGE * in_element.min(axis=1)).all()
+    return beyond if resolved and _odd_work(last, beyond.state) <= _ODD_WORK else None
+
+
+def _odd_work(below: State, above: State) -> float:
+    """Return by how much the energy rises beyond the work [N mm] of the larger force of two equilibria without
+    friction, or less (negative) than that of the smaller one, over force times depth: on one path by next to nothing.
+    """
+    least, most = sorted([below.force, above.force])
+    rise, way = above.energy - below.energy, above.depth - below.depth
+    return (max(rise - most * way, 0.0) + min(rise - least * way, 0.0)) / max(most * above.depth, 1e-300)
 
 
 def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
@@ -176,6 +200,9 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
     else:
         last = below.state
         state = press.equilibrium(depth, last.places, last.touching, last.memory)
+    # A long step may land on another shape than the one that the path leads to.
+    if below and not press.tangential.remembers and abs(_odd_work(below.state, state)) > _ODD_WORK:
+        raise NoEquilibriumError("the path does not lead to the shape found")
     if state.force == 0.0:
         return Footing(state, 1.0)
     try:

@@ -16,7 +16,7 @@ from hyperfab.membrane.meshing import triangulate
 from hyperfab.membrane.path import cold_start
 from hyperfab.membrane.punch import Sphere
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, run
+from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, rough_path, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import first_instability, stress_difference, work
 from hyperfab.numerics.threads import LIMIT
@@ -178,6 +178,16 @@ def test_softening_law_turns_back_and_is_unstable_before():
     assert unstable.depth == pytest.approx(57.46, abs=0.02)
     np.testing.assert_allclose(unstable.stretches, 1.418, atol=2e-3)
     assert np.hypot(*unstable.at) < 3.0
+
+
+@pytest.mark.parametrize("depths", [[150.0, 300.0], [350.0]])
+def test_a_step_however_long_does_not_pass_the_turning_point(depths):
+    """Shooting along the meridian: 95.817 N at 123.67 mm, falling to 85.08 N at 146.51 mm."""
+    sheet = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    _, path = rough_path(SphereTest(outline.Disc(100.0, quarter=True), sheet, 1.0, 40.0), depths)
+    assert path.limit is not None
+    assert path.limit.turning_point == pytest.approx(151.5, abs=0.2)
+    assert path.jumps == []
 
 
 def test_newtons_method_takes_whole_steps_once_the_touching_nodes_are_known():
