@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.equilibrium import Press, State
-from hyperfab.membrane.mesh import SheetMesh
+from hyperfab.membrane.mesh import SheetMesh, interpolate
 
 #: Nodes out to this many edge lengths beyond the edge take part.
 _WINDOW = 4.0
@@ -81,6 +81,8 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
     if near.facet is not None:
         return contact_front(mesh, place, state.touching, gap)
     multiple = 2 if mesh.copies == 4 else 1
+    if deformed and (near.normal[inside, 2] < 0.0).any():
+        return _carried_along(contact_edge(press, state), mesh, state.places)
     outside = judge & ~state.touching & (gap > 0)
     harmonics, edge_length = _about(mesh, place, inside, multiple)
     for _ in range(_SWEEPS):
@@ -96,6 +98,22 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
             break
         harmonics = moved
     return ContactEdge(harmonics, multiple)
+
+
+def _carried_along(
+    edge: ContactEdge | ContactFront | None, mesh: SheetMesh, places: Array
+) -> ContactEdge | None:
+    """Return where an edge on the undeformed sheet lies in ``places``: below the equator the radius says no longer
+    which nodes lie outside.
+    """
+    if not isinstance(edge, ContactEdge):
+        return None
+    angle = np.linspace(0.0, 2 * np.pi / mesh.copies, _AROUND, endpoint=mesh.copies > 1)
+    points = edge.radius(angle)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    x, y, _ = interpolate(mesh, places, points).T
+    return ContactEdge(
+        _harmonics(np.hypot(x, y), np.arctan2(y, x), len(edge.harmonics), edge.multiple), edge.multiple
+    )
 
 
 def _about(mesh: SheetMesh, place: Array, inside: Flags, multiple: int) -> tuple[Array, float]:

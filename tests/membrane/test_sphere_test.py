@@ -74,6 +74,14 @@ def test_contact_radius_to_a_fifth_of_an_element(pressed):
         assert bent.mean == pytest.approx(expected.radius_deformed, abs=0.2 * element)
 
 
+def test_contact_radius_below_the_equator():
+    """Shooting along the meridian: the sheet leaves the sphere 107.84 degrees from its top."""
+    last = _press("neo-hookean", [120.0, 144.508], tolerance=1e-2).solved[-1]
+    found = contact_edge(last.press, last.state, deformed=True)
+    assert found is not None
+    assert found.mean == pytest.approx(40.0 * np.sin(np.radians(107.84)), abs=0.1)
+
+
 def test_rim_carries_what_the_sphere_pushes(pressed):
     for solved in pressed[1].solved:
         assert solved.state.reaction == pytest.approx(solved.state.force, rel=1e-9)
