@@ -139,14 +139,12 @@ class FabricProblem(Problem):
         return found
 
     def _zero_off(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
-        """Return by how much the zero of a load cell that drifts is farther off than one that stays may be."""
-        form, values = terms.get("load-offset", ("", np.zeros(0)))
-        if form not in ("drift", "settling"):
+        """Return by how much the zero of a load cell is farther off than one may be that stays."""
+        if "load-offset" not in terms:
             return {}
-        time = self.fabric.path.time_s
-        moved = values[1] * time if form == "drift" else load_offset.settling(time, values[1], values[2])
+        off = np.abs(load_offset.added(self.fabric.path, *terms["load-offset"]))
         peak = float(np.max(np.abs(self.measured[self.channel == 0]), initial=0.0)) or 1.0
-        return {"zero of the load cell": max(float(np.max(np.abs(values[0] + moved))) / peak - MOST_OFF, 0.0)}
+        return {"zero of the load cell": max(float(np.max(off)) / peak - MOST_OFF, 0.0)}
 
     @cached_property
     def _rising(self) -> Fabric | None:

@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.materials.effects.grip_slack import by_curve, of_each
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import through
-from hyperfab.materials.effects.state import Acts
+from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
 
 
@@ -65,3 +65,9 @@ FORMS: Mapping[str, Acts] = {
         stress, values[1] + through(at.path.time_s / values[0], values[2:])
     ),
 }
+
+
+def added(path: Path, form: str, values: Array) -> Array:
+    """Return what a form adds to the stress of each row."""
+    nothing = np.zeros(len(path.stretch))
+    return FORMS[form](State(path, path.stretch, nothing, 0.0, None), nothing, values)
