@@ -18,7 +18,7 @@ from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.problem import Constant, fixed
+from hyperfab.loop.problem import Constant, Form, fixed
 from hyperfab.materials.effects import anisotropy, elastic_law, load_offset, rate
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
@@ -71,15 +71,21 @@ def held_terms(
             if constant.name in away:
                 constants.append(fixed(f"{kind} {constant.name}", ABSENT[constant.name]))
                 continue
-            if constant.name not in values:
+            if constant.name not in values and not (form.of_each and constant is not form.constants[0]):
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
-            value = float(values[constant.name])
+            value = float(values.get(constant.name, _usual(form, values)))
             low, high = min(constant.low, value), max(constant.high, value)
             if effect.not_sought or constant.low == constant.high:
                 low = high = value  # these data say nothing of it, or it is no unknown
             constants.append(Constant(f"{kind} {constant.name}", value, low, high, constant.scale))
         found[str(kind)] = (form.name, tuple(constants))
     return found
+
+
+def _usual(form: Form, values: Mapping[str, Any]) -> float:
+    """Return what a specimen has more than the first, in the mean of those told, for one that is not."""
+    more = [float(values[constant.name]) for constant in form.constants[1:] if constant.name in values]
+    return sum(more) / (len(more) + 1)
 
 
 def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: Law) -> MaterialDocument:
