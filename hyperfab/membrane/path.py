@@ -186,8 +186,10 @@ def _odd_work(below: State, above: State) -> float:
     friction, or less (negative) than that of the smaller one, over force times depth: on one path by next to nothing.
     """
     least, most = sorted([below.force, above.force])
+    if most <= 0.0:  # slack: what energy there is, is left of the iteration
+        return 0.0
     rise, way = above.energy - below.energy, above.depth - below.depth
-    return (max(rise - most * way, 0.0) + min(rise - least * way, 0.0)) / max(most * above.depth, 1e-300)
+    return (max(rise - most * way, 0.0) + min(rise - least * way, 0.0)) / (most * above.depth)
 
 
 def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
