@@ -11,7 +11,7 @@ from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.replicates import along, difference, moving, replicates, told_apart
+from hyperfab.loop.replicates import difference, moving, replicates, told_apart
 from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, TOLD, UNLIKELY
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
@@ -367,7 +367,7 @@ def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
         sure.append(gain**2 / 2.0 - TOLD**2 * variance)
         quiet = winsorised(left)
         rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
-        lags.append(along(quiet))
+        lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
         count += len(left)
     if not gains:
         return noise

@@ -28,8 +28,8 @@ def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, C
 def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Array, float, Array]:
     """Return the coefficients of what two replicates differ by, the variance of the first, and what is left.
 
-    They differ in stiffness; where it clearly explains more, also by an offset of the load cell or by slack: those are
-    for the loop to find, as noise, or as a stiffness, they would hide. What is left beside both counts as noise.
+    They differ in stiffness; or, where that explains it much better, also by an offset of the load cell or by slack.
+    Those are for the loop to find: as noise they would hide.
     """
 
     def least(columns: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -39,17 +39,11 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
         return coefficients, inverse, apart - matrix @ coefficients
 
     stiffer = least([level])
-    both = min((least([level, other]) for other in others), key=lambda one: float(one[2] @ one[2]))
-    left = float(both[2] @ both[2])
-    alike = max(along(both[2]), 0.0)
-    noise = max(left / max(len(apart) - 2, 1) * (1.0 + alike) / (1.0 - alike), 1.0)
-    found = both if float(stiffer[2] @ stiffer[2]) - left > clearly() * noise else stiffer
+    best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
+    found = stiffer
+    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > clearly():
+        found = least([level, best[3]])
     return found[0], float(found[1][0, 0]), found[2]
-
-
-def along(left: Array) -> float:
-    """Return the correlation of neighbours."""
-    return float(left[1:] @ left[:-1]) / max(float(left @ left), 1e-300)
 
 
 def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:

@@ -10,7 +10,7 @@ import pytest
 from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
 from hyperfab.materials.registry import law
 
 COUNT, ROWS, GAIN = 5, 50, 0.03
@@ -57,11 +57,13 @@ def found(seed: int, temperatures: tuple[float, ...], slack: float = 0.0, offset
     return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests), design=False)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_slack_of_each_specimen_is_found_beside_its_stiffness(seed: int) -> None:
+@pytest.mark.parametrize(("seed", "verdict"), [(1, "effect"), (2, "effect"), (3, "ambiguous")])
+def test_slack_of_each_specimen_is_found_beside_its_stiffness(seed: int, verdict: str) -> None:
+    """Or with a load cell off its zero, which does nearly the same."""
     one = found(seed, (23.0,), slack=0.015)
-    assert (one.verdict, one.after.ids) == ("effect", ("grip-slack",))
+    assert (one.verdict, one.after.ids) == (verdict, ("grip-slack",))
     assert one.after.fit.forms["grip-slack"].name == "each"
+    assert one.indistinguishable == ([["grip-slack", "load-offset"]] if verdict == "ambiguous" else [])
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -82,22 +84,3 @@ def test_slack_of_each_specimen_does_not_hide_what_heat_does(seed: int) -> None:
 def test_specimens_that_differ_in_stiffness_alone_are_noise(seed: int) -> None:
     """However far each is pulled: where some have ended the others must not bend the law."""
     assert found(seed, (23.0,)).verdict == "noise"
-
-
-@pytest.mark.parametrize("how", ["slack", "offset"])
-@pytest.mark.parametrize("seed", [3, 7, 8])
-def test_how_specimens_are_mounted_is_neither_scatter_nor_noise(how: str, seed: int) -> None:
-    """They differ in stiffness too, and by more than that: what is told of both is what it is of specimens alone."""
-
-    def told(slack: float, offset: float) -> Noise:
-        random = np.random.default_rng(seed)
-        mounted = [
-            (slack * abs(random.standard_normal()), offset * random.standard_normal()) for _ in range(20)
-        ]
-        tests = [strip(random, 23.0, *one) for one in mounted]
-        return estimate_noise(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests))
-
-    alone, both = told(0.0, 0.0), told(0.02 * (how == "slack"), 0.05 * (how == "offset"))
-    assert both.correlation == 0.0
-    assert np.median(both.sd) == pytest.approx(np.median(alone.sd), rel=0.1)
-    assert both.gain_sd == pytest.approx(alone.gain_sd, rel=0.1)
