@@ -14,13 +14,14 @@ from scipy.special import chdtrc
 from hyperfab.arrays import Array
 from hyperfab.loop.belief import Belief, allowed, surprise
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.fitting import Fit, fit, orthonormal
+from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Form, Problem
 from hyperfab.loop.score import projected
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
+from hyperfab.numerics.gram import orthonormal
 
 
 def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[str, dict[str, Candidate]]:

@@ -17,7 +17,8 @@ from hyperfab.loop.doubt import likeliest_scatter, undoubted, without_names
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, TOLD

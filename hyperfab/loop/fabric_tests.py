@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
-from hyperfab.loop.noise import MAD, third_differences
+from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, held, moving

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Form, Problem, split
+from hyperfab.numerics.gram import inverse, orthonormal
 
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
 #: fits are only compared: the gain is then below a tenth of what one constant has to earn.
@@ -69,28 +70,6 @@ class Fit:
                 return slice(at, at + len(form.constants))
             at += len(form.constants)
         raise KeyError(effect)
-
-
-def inverse(matrix: Array, rcond: float) -> Array:
-    """Return the pseudo-inverse of a positive semi-definite matrix; ``rcond`` is of its rows scaled to a diagonal of 1.
-
-    >>> inverse(np.diag([4.0, 1e-20, 0.0]), 1e-9).diagonal()
-    array([2.5e-01, 1.0e+20, 0.0e+00])
-    """
-    size = np.diag(matrix)
-    unit = np.where(size > 0.0, 1.0 / np.sqrt(np.maximum(size, 1e-300)), 0.0)
-    both = np.outer(unit, unit)
-    return np.asarray(np.linalg.pinv(matrix * both, rcond=rcond, hermitian=True) * both)
-
-
-def orthonormal(matrix: Array) -> Array:
-    """Return an orthonormal basis (rows, k) of what the columns of a tall matrix span."""
-    norms = np.sqrt(np.sum(matrix**2, axis=0))
-    scaled = matrix[:, norms > 0.0] / norms[norms > 0.0]
-    # By the small Gram matrix: much quicker than a decomposition of the tall one, and exact enough to project with.
-    sizes, vectors = np.linalg.eigh(scaled.T @ scaled)
-    sure = sizes > 1e-11 * max(float(sizes[-1]), 1.0) if len(sizes) else np.zeros(0, dtype=bool)
-    return np.asarray(scaled @ (vectors[:, sure] / np.sqrt(sizes[sure])))
 
 
 def fit(
@@ -208,9 +187,8 @@ class Descent:
         chi2 = float(left @ left)
         return Fit(forms, x, value, left, jacobian, precision, chi2, self.cost, self.prior, self.own)
 
-    @np.errstate(
-        over="ignore", invalid="ignore"
-    )  # what no number holds is no way to go, and is looked at below
+    # What no number holds is no way to go, and is looked at below.
+    @np.errstate(over="ignore", invalid="ignore")
     def _advance(self) -> None:
         """Take a step: by slopes asked for, or by those of the step before as it has changed them.
 

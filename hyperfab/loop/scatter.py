@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array
-from hyperfab.loop.noise import ASSUMED, USUAL, third_differences, winsorised
+from hyperfab.loop.noise_estimate import ASSUMED, USUAL, third_differences, winsorised
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import FEWEST, MARGIN
 

@@ -9,9 +9,10 @@ import numpy as np
 from scipy.special import erfc
 
 from hyperfab.arrays import Array
-from hyperfab.loop.fitting import Fit, orthonormal
+from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Effect, Form, Problem
+from hyperfab.numerics.gram import orthonormal
 
 #: A signature that keeps less of its square than this after projection cannot be seen on these data, unless at the size
 #: a fit begins with it stands this many standard deviations of the noise out, and keeps what differences can tell.

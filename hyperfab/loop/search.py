@@ -10,13 +10,14 @@ from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
-from hyperfab.loop.fitting import Fit, descent, fit, inverse
+from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import help_of
 from hyperfab.loop.judge import correlation_time, misfit, price
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
 from hyperfab.loop.thresholds import MARGIN, TOLD, UNLIKELY
+from hyperfab.numerics.gram import inverse
 
 #: Refinements of the terms of a model that leaves much.
 _STEPS = 4

@@ -109,9 +109,8 @@ class Medium:
             weights = np.maximum(capacity[nodes].sum(axis=0), 0.0) * together
             if not weights.any():  # along an edge: shape functions of corners integrate to less than nothing
                 weights += together
-            theirs = np.where(
-                together, by_part[nodes], 0.0
-            )  # where a part is not, it may have no temperature
+            # Where a part is not, it may have no temperature.
+            theirs = np.where(together, by_part[nodes], 0.0)
             found[nodes] = theirs @ (weights / weights.sum())
         return found
 

@@ -148,9 +148,8 @@ def _after_jump(
             stored = model.stored(temperature)
             history.ledger.exchange(renewal.name, model.total(stored))
             model.changed()
-            if _set(
-                thermostats, temperature
-            ):  # a probe in a fresh part jumps past where it would have switched
+            # A probe in a fresh part jumps past where it would have switched.
+            if _set(thermostats, temperature):
                 history.switches.append(state.time)
     return State(state.time, temperature, stored, model.flow(state.time, temperature))
 

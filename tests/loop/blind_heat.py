@@ -28,7 +28,7 @@ from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heat import HeatProblem, Run, heat_problem
-from hyperfab.loop.noise import estimate_noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.thresholds import PRIOR
 

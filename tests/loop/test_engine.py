@@ -13,7 +13,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.heldout import leave_curves_out
-from hyperfab.loop.noise import estimate_noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.search import Search
 from hyperfab.materials.identification.design import Problem as IdentifiedProblem

@@ -17,7 +17,8 @@ from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.search import Search
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, uniaxial_pull

@@ -16,7 +16,7 @@ from scipy.stats import norm
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.dependence import dependence, period, suggestion
-from hyperfab.loop.fitting import fit, inverse, orthonormal
+from hyperfab.loop.fitting import fit
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import (
     autocorrelation,
@@ -26,10 +26,12 @@ from hyperfab.loop.judge import (
     prior_misfit,
     scaled_chi2,
 )
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 from hyperfab.loop.score import greatest_by_chance, points_at, signatures
 from hyperfab.loop.search import Search
+from hyperfab.numerics.gram import inverse, orthonormal
 
 COUNT, SD = 60, 0.05
 X = np.linspace(0.0, 1.0, COUNT)

@@ -7,7 +7,8 @@ import pytest
 from loop.blind import problem_of
 from loop.generators import fabric as truths
 
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import estimate_noise
 
 
 def test_spread_is_what_a_perfect_model_misses_by():

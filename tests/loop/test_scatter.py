@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.loop.noise import third_differences
+from hyperfab.loop.noise_estimate import third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.scatter import guess_of_cloud, guess_of_curve, patches
 

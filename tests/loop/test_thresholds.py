@@ -37,7 +37,8 @@ from hyperfab.loop.candidate import Evidence
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
 from hyperfab.loop.judge import Judgement
-from hyperfab.loop.noise import Noise, estimate_noise
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Constant, Curve
 from hyperfab.loop.scatter import Guess
 from hyperfab.loop.search import Search

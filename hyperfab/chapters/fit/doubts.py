@@ -22,7 +22,7 @@ SMALL = 0.05
 ENOUGH = 8
 #: From so many rows on a curve shows its own noise.
 DENSE = 40
-#: A share that is most: of the squared error, and of the readings that are missed.
+#: A share that is most: of what decides one constant, and of the readings that are missed.
 MOST = 0.5
 #: So many readings are named in warnings; the document has all.
 SHOWN = 5

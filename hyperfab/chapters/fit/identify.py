@@ -112,8 +112,7 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [
         figures(measured[own], model[own], floor[own])
-        for g in range(rows.groups)
-        for own in [rows.group == g]
+        for own in (rows.group == g for g in range(rows.groups))
     ]
     specimens, kinds = [specimen_of(one) for one in used], [kind_of(one) for one in used]
     deviation = _stated(used, setting)
@@ -162,7 +161,7 @@ def along_direction(
     total = figures(
         np.concatenate([curve.stress for curve in used]),
         np.concatenate(own),
-        np.concatenate([_below(curve, setting) for curve in used]),
+        np.concatenate([near_zero(curve, setting.noise) * setting.relative for curve in used]),
     )
     return part if total is None else replace(part, total=total)
 
@@ -308,21 +307,25 @@ def _axis(law: Law, curve: TestCurve) -> int:
     return 2 if not law.isotropic and curve.direction_name == "weft" else 1
 
 
-def _deviation(reading: TestCurve, setting: Setting) -> Array | float | None:
-    """Return the standard deviation [MPa] that is stated of the readings of a curve."""
-    return reading.stress_sd if reading.stress_sd is not None else setting.noise
+def deviation(reading: TestCurve, noise: float | None) -> Array | float | None:
+    """Return the standard deviation [MPa] of the readings of a curve: what it states, else the ``noise``."""
+    return reading.stress_sd if reading.stress_sd is not None else noise
 
 
-def _below(reading: TestCurve, setting: Setting) -> Array:
+def near_zero(reading: TestCurve, noise: float | None) -> Array:
     """Return the stress [MPa] below which each reading of a curve counts by its absolute error; 0: always relative."""
-    sd = _deviation(reading, setting) if setting.relative else None
+    sd = deviation(reading, noise)
     return np.broadcast_to(NOISY * np.asarray(0.0 if sd is None else sd), reading.stress.shape)
 
 
 def _floor(used: Sequence[TestCurve], setting: Setting) -> Array:
-    """Return the same for each row of ``Rows.of``."""
+    """Return the same for each row of ``Rows.of``; 0 in an absolute fit, whose figures are relative all the same."""
+    noise = setting.noise
     return np.concatenate(
-        [np.tile(_below(curve, setting), 2 if curve.mode == "biaxial-general" else 1) for curve in used]
+        [
+            np.tile(near_zero(curve, noise) * setting.relative, 2 if curve.mode == "biaxial-general" else 1)
+            for curve in used
+        ]
     )
 
 
@@ -330,7 +333,7 @@ def _stated(used: Sequence[TestCurve], setting: Setting) -> Array | None:
     """Return the standard deviation [MPa] of each row of ``Rows.of``, None where it is not stated of all."""
     found = []
     for curve in used:
-        sd = _deviation(curve, setting)
+        sd = deviation(curve, setting.noise)
         if sd is None:
             return None
         each = np.broadcast_to(sd, curve.stress.shape)
@@ -339,12 +342,12 @@ def _stated(used: Sequence[TestCurve], setting: Setting) -> Array | None:
 
 
 def _weighted(reading: TestCurve, setting: Setting) -> TestCurve:
-    sd = _deviation(reading, setting)
+    sd = deviation(reading, setting.noise)
 
     def weight(stress: Array) -> Array:
         if not setting.relative:
             return np.ones_like(stress) if sd is None else np.ones_like(stress) / sd
-        return 1.0 / np.maximum(np.abs(stress), _below(reading, setting))
+        return 1.0 / np.maximum(np.abs(stress), near_zero(reading, setting.noise))
 
     second = None if reading.stress2 is None else weight(reading.stress2)
     return replace(reading, weight=weight(reading.stress), weight2=second)

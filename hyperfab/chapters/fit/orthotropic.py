@@ -10,9 +10,10 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.describe import deviations, document_of, uncertainty
 from hyperfab.chapters.fit.identify import (
-    NOISY,
     Setting,
+    deviation,
     kind_of,
+    near_zero,
     reference_of,
     specimen_of,
     temperatures_of,
@@ -319,10 +320,10 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Sett
 def _weight(curve: TestCurve, stress: Array, setting: Setting, alike: Sequence[TestCurve]) -> Array:
     """Return one over the error that counts as one [1/MPa]."""
     peak = max(float(np.abs(other.stress).max()) for other in alike)
-    sd = curve.stress_sd if curve.stress_sd is not None else setting.noise
+    sd = deviation(curve, setting.noise)
     if not setting.relative:
         return np.full(len(stress), 1.0 / peak) if sd is None else np.ones_like(stress) / sd
-    floor = np.maximum(_FLOOR * peak, 0.0 if sd is None else NOISY * np.asarray(sd))
+    floor = np.maximum(_FLOOR * peak, near_zero(curve, setting.noise))
     return np.asarray(1.0 / np.maximum(np.abs(stress), floor))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.identify import NOISY
+from hyperfab.chapters.fit.identify import near_zero
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
@@ -231,8 +231,7 @@ def _without_zeros(curve: TestCurve, left_out: Counter[str], noise: float | None
 
     Readings near zero whose noise is known count by their absolute error, on both sides of it.
     """
-    sd = curve.stress_sd if curve.stress_sd is not None else noise
-    floor = np.broadcast_to(0.0 if sd is None else NOISY * sd, curve.stress.shape)
+    floor = near_zero(curve, noise)
 
     def nothing(stress: Array) -> NDArray[np.bool_]:
         return np.asarray((np.abs(stress) <= ZERO * float(np.abs(stress).max(initial=0.0))) & (floor == 0.0))

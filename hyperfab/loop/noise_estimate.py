@@ -1,0 +1,249 @@
+"""How large the noise is, what is alike in it, how well that is known: from replicates and neighbouring readings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import chdtrc
+
+from hyperfab.arrays import Array
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Curve, Problem
+from hyperfab.loop.replicates import difference, moving, replicates, told_apart
+from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, TOLD, UNLIKELY
+
+#: Of a normal distribution: standard deviation over median absolute deviation.
+MAD = 1.4826
+#: Smoothed third differences count for about this many independent readings each, their median for less.
+_WORTH = 0.3
+#: What is taken for noise where too few readings lie together to tell, of the largest of them, and what is said of it.
+USUAL = 4.0 * MACHINE
+ASSUMED = f"assumed: {100.0 * USUAL:g} % of the largest reading, for too few in a row to tell"
+#: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
+_RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
+_HARDLY = 2.0
+#: Passes in which readings far off are drawn in: each is nearer to the fit without them.
+_ROBUST = 3
+
+
+def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
+    """Return the noise of the measured rows.
+
+    In this order: ``stated`` (one value for the first channel), the data's own standard deviations, the median of third
+    differences along each smooth piece. Where curves are replicates of each other, their scatter is split into
+    white noise, noise alike in neighbouring rows, and stiffness that differs from specimen to specimen.
+    """
+    y = problem.measured
+    sd, dof, source = np.empty(len(y)), np.inf, ""
+    for channel in sorted({curve.channel for curve in problem.curves}):
+        curves = [curve for curve in problem.curves if curve.channel == channel]
+        rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves])
+        if stated is not None and channel == 0:
+            sd[rows], how = stated, "stated"
+        elif problem.stated_sd is not None and np.all(np.isfinite(problem.stated_sd[rows])):
+            sd[rows], how = problem.stated_sd[rows], "standard deviations in the data"
+        else:
+            sd[rows], known, how = _from_differences(y, curves, rows)
+            dof = min(dof, known)
+            if not replicates(problem.curves, channel):
+                least = problem.least_noise * _peaks(y, curves)
+                how = (
+                    f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
+                    if np.any(least > sd[rows])
+                    else how
+                )
+                sd[rows] = np.maximum(sd[rows], least)
+        source = source or how
+    free = stated is None and problem.stated_sd is None
+    for channel in sorted({curve.channel for curve in problem.curves} - {0}):
+        sd = sd * _louder(problem, sd, channel)
+    keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0 and curve.specimen)
+    groups = tuple(
+        np.concatenate(
+            [np.arange(c.start, c.stop) for c in problem.curves if c.specimen == key and c.channel == 0]
+        )
+        for key in keys
+    )
+    ways: dict[tuple[str, ...], list[int]] = {}
+    for k, key in enumerate(keys):
+        led = [curve.setup or key for curve in problem.curves if curve.specimen == key and curve.channel == 0]
+        ways.setdefault(tuple(sorted(led)), []).append(k)
+    starts = tuple(curve.start for curve in problem.curves)
+    alike = tuple(tuple(one) for one in ways.values())
+    plain = Noise(
+        sd, dof, source, starts=starts, groups=groups, alike=alike, pattern=y.copy(), measured=y.copy()
+    )
+    return _with_replicates(problem, plain, free)
+
+
+def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
+    """Return, row by row, the largest reading of its curve, of a transverse stretch how far it is from rest."""
+    return np.concatenate(
+        [
+            np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows] - (c.channel != 0)), initial=0.0)))
+            for c in curves
+        ]
+    )
+
+
+def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
+    """Return normalised third differences along the smooth pieces of a curve, and the level where each was taken.
+
+    They vanish on quadratics for any spacing and have the variance of the noise.
+    """
+    found, level = [], []
+    for piece in moving(curve):
+        values, place = y[piece], curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
+        keep = np.concatenate([[True], np.abs(np.diff(place)) > 1e-12])
+        values, place = values[keep], place[keep]
+        if len(values) < 5:
+            continue
+        x = np.stack([place[i : len(place) - 3 + i] for i in range(4)])
+        v = np.stack([values[i : len(values) - 3 + i] for i in range(4)])
+        weights = np.ones_like(x)
+        for i in range(4):
+            for j in range(4):
+                if i != j:
+                    gap = x[i] - x[j]
+                    weights[i] /= np.where(np.abs(gap) > 1e-12, gap, 1e-12)
+        weights /= np.sqrt(np.sum(weights**2, axis=0))
+        found.append(np.sum(weights * v, axis=0))
+        level.append(np.mean(np.abs(v), axis=0))
+    if not found:
+        return np.empty(0), np.empty(0)
+    return np.concatenate(found), np.concatenate(level)
+
+
+def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float, str]:
+    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, its degrees of freedom and source.
+
+    Of too few readings in a row to tell, a usual one is taken, and said to be.
+    """
+    parts = [third_differences(y, curve) for curve in curves]
+    found = np.concatenate([part[0] for part in parts])
+    level = np.concatenate([part[1] for part in parts])
+    size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
+    floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
+    if len(found) < 4:
+        return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED
+    edges = np.cumsum([len(part[0]) for part in parts])[:-1]
+    tried = []
+    for ratio in _RATIOS:
+        shape = np.sqrt(1.0 + (ratio * level / size) ** 2)
+        scaled = np.abs(found) / shape
+        a = max(MAD * float(np.median(scaled)), floor)
+        alike = np.ones(len(parts))
+        for each in (alike, _of_each(np.split(scaled / a, edges))):
+            spread = a * np.repeat(each, [len(part[0]) for part in parts])
+            # Winsorised: a corner the pieces do not know of must not speak for a louder noise.
+            misfit = 2.0 * float(np.sum(np.log(spread * shape)))
+            misfit += float(np.sum(np.minimum(scaled / spread, 3.0) ** 2))
+            misfit += MARGIN * ((ratio > 0.0) + (0 if each is alike else len(parts) - 1))
+            tried.append((misfit, a, a * ratio / size, each))
+    # Of what the data hardly tell apart, the least in proportion: rows near zero must not pass for surer than they are.
+    least = min(misfit for misfit, *_ in tried)
+    a, b, louder = next(one[1:] for one in tried if one[0] <= least + _HARDLY)
+    sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
+    sd *= np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
+    return np.maximum(sd, floor), max(_WORTH * len(found), 2.0), "local differences"
+
+
+def _of_each(scaled: Sequence[Array]) -> Array:
+    """Return by how much the noise of each curve is louder than that of all, 1 where they do not clearly differ.
+
+    Machines read some tests in other ranges, or with a noise in proportion to the peak. The levels are drawn together
+    by what they scatter by chance (James and Stein).
+    """
+    worth = np.array([_WORTH * len(one) for one in scaled])
+    level = np.array([MAD * float(np.median(one)) if len(one) >= FEWEST else 0.0 for one in scaled])
+    known = level > 0.0
+    factor = np.ones(len(scaled))
+    if np.count_nonzero(known) < 2:
+        return factor
+    size, weight = np.log(level[known]), 2.0 * worth[known]
+    middle = float(np.average(size, weights=weight))
+    apart, free = float(weight @ (size - middle) ** 2), len(size) - 1
+    if chdtrc(free, apart) > UNLIKELY:
+        return factor
+    between = max(apart / free - 1.0, 0.0) / float(np.mean(weight))
+    kept = between / (between + 1.0 / weight)
+    factor[known] = np.exp(middle + kept * (size - middle))
+    factor[~known] = np.exp(middle)
+    return factor
+
+
+def _resolution(values: Array) -> float:
+    """Return the step of the digits the values are written in."""
+    sizes = np.diff(np.unique(values))
+    sizes = sizes[sizes > 1e-12 * np.max(np.abs(values), initial=1e-300)]
+    if len(sizes) == 0:
+        return 0.0
+    step = float(np.min(sizes))
+    return step if np.allclose(sizes / step, np.round(sizes / step), atol=1e-3) else 0.0
+
+
+def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
+    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
+    y = problem.measured
+    gains, sure, rests, lags, count = [], [], [], [], 0
+    for first, second in replicates(problem.curves):
+        apart, level, slope, sd = difference(y, noise.sd, first, second)
+        if len(apart) < FEWEST:
+            continue
+        apart, shapes = apart / sd, (level / sd, (1.0 / sd, slope / sd))
+        values = apart
+        for _ in range(_ROBUST):
+            coefficients, variance, left = told_apart(values, *shapes)
+            # A spike in one of them is neither its stiffness nor noise of all.
+            values = values - left + winsorised(apart - values + left)
+        gain = float(coefficients[0])
+        gains.append(gain**2 / 2.0 - variance)
+        sure.append(gain**2 / 2.0 - TOLD**2 * variance)
+        quiet = winsorised(left)
+        rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
+        lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
+        count += len(left)
+    if not gains:
+        return noise
+    gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
+    doubt = (1.0 + TOLD / np.sqrt(2.0 * len(sure))) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
+    rho = float(np.mean(lags))
+    # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
+    rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
+    sd, dof = noise.sd, noise.dof
+    if free and (rho or np.mean(rests) > 1.5):
+        sd = sd * np.sqrt(max(float(np.mean(rests)), 1.0))
+        dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
+    if gain_sd < 2e-3 and not rho and sd is noise.sd:
+        return noise
+    return replace(
+        noise,
+        sd=sd,
+        dof=dof,
+        source=noise.source if not free else "replicates and local differences",
+        gain_sd=gain_sd if gain_sd >= 2e-3 else 0.0,
+        gain_doubt=doubt if gain_sd >= 2e-3 else 0.0,
+        correlation=min(rho, 0.98),
+    )
+
+
+def winsorised(left: Array) -> Array:
+    """Return differences, those beyond three median deviations taken as three."""
+    most = 3.0 * MAD * float(np.median(np.abs(left)))
+    return np.clip(left, -most, most)
+
+
+def _louder(problem: Problem, sd: Array, channel: int) -> Array:
+    """Return by how much replicates of a further channel differ beyond its local noise."""
+    factor = np.ones(len(sd))
+    squares = [
+        np.mean((apart / spread) ** 2) / 2.0
+        for first, second in replicates(problem.curves, channel)
+        for apart, _, _, spread in [difference(problem.measured, sd, first, second)]
+        if len(apart) >= FEWEST
+    ]
+    if squares:
+        factor[problem.channel == channel] = np.sqrt(max(float(np.mean(squares)), 1.0))
+    return factor
