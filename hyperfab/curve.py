@@ -89,7 +89,26 @@ class TestCurve:
     @property
     def principal(self) -> Array:
         """The principal stretch along the load; in simple shear ``stretch`` holds the shear strain."""
-        return np.exp(np.arcsinh(0.5 * self.stretch)) if self.mode == "simple-shear" else self.stretch
+        return sheared(self.stretch) if self.mode == "simple-shear" else self.stretch
+
+    def in_planar_tension(self) -> Self:
+        """Return a test in simple shear as the planar tension that strains a body in the same way but for a turn.
+
+        True of a body without direction that keeps its volume, whose stress is then (1 + l^-2) times that of shear.
+        """
+        strain_a_stretch = 1.0 + self.principal**-2.0
+
+        def over(value: Array | None, power: float) -> Any:
+            return None if value is None else value * strain_a_stretch**power
+
+        return replace(
+            self,
+            mode="shear",
+            stretch=self.principal,
+            stress=over(self.stress, 1.0),
+            stress_sd=over(self.stress_sd, 1.0),
+            rate_1_s=over(self.rate_1_s, -1.0),
+        )
 
     @property
     def angle_deg(self) -> float:
@@ -108,6 +127,15 @@ class TestCurve:
     def stress_unit(self) -> str:
         """``MPa``, or ``N/mm`` for membrane stress."""
         return "N/mm" if self.membrane else "MPa"
+
+
+def sheared(strain: Array) -> Array:
+    """Return the stretch l in the plane of a simple shear by ``strain`` = l - 1/l, that with l above 1 where it is.
+
+    >>> sheared(np.array([1.5, -1.5]))
+    array([2. , 0.5])
+    """
+    return np.asarray(np.exp(np.arcsinh(0.5 * strain)))
 
 
 def angle_named(name: str | None) -> float | None:

@@ -195,8 +195,7 @@ def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:
     stretches: dict[str, list[float]] = {}
     warmths: dict[str, list[float]] = {}
     for curve in curves:
-        sheared = curve.mode == "simple-shear"
-        along = np.exp(np.arcsinh(0.5 * curve.stretch)) if sheared else curve.stretch
+        along = curve.principal
         across = curve.stretch2 if curve.mode == "biaxial-general" else None
         warmth = curve.warmth if curve.warmth is not None else curve.temperature_degC
         # Every test passes through rest, whether or not its first reading is taken there.

@@ -66,6 +66,14 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
         )
     reader = _Reader(specimen, roles, test, pressed == "yes", down is not None, notes)
     stretch = reader.stretch("")
+    if stretch is None and test == "simple-shear":
+        raise missing(sheet, roles, "a shear strain", '"shear strain" or "displacement [mm]"')
+    if stretch is None and (sheared := roles.first(("shear strain",))) is not None:
+        raise sheet.wrong(
+            f"a shear strain is of simple shear, and of no {test.replace('shear', 'planar shear')} test",
+            sheared.heading,
+            remedy='give the file as it is, without --uniaxial, --shear or --biaxial, or say "# test: simple-shear"',
+        )
     if stretch is None:
         raise no_stretch(sheet, roles)
     stretch2 = reader.stretch(" 2")
@@ -137,7 +145,7 @@ class _Reader:
     def stretch(self, place: str) -> Array | None:
         """Return the stretch (or shear strain) of a place, the first or the second direction."""
         names = (
-            ("shear strain",)
+            ("shear strain", "strain", "extension")
             if self.test == "simple-shear"
             else tuple(one for one in STRETCHES if one != "shear strain")
         )
@@ -146,6 +154,8 @@ class _Reader:
             return None
         self.used.append(column)
         name, head = column.name.removesuffix(" 2"), column.heading
+        if self.test == "simple-shear" and name in _LENGTHS:
+            return self._from_displacement(column)
         if name in _LENGTHS:
             found = self._from_lengths(column, name)
         else:
@@ -171,7 +181,7 @@ class _Reader:
                     + self.sheet.option([(head.title, f"{name} [%]")]),
                 )
             values = self._signed(values, column)
-            if name == "shear strain":
+            if self.test == "simple-shear":
                 return values
             if name == "true strain":
                 found = np.exp(values)
@@ -189,6 +199,22 @@ class _Reader:
                 remedy="correct the cell; is the column a strain, or are columns swapped?",
             )
         return found
+
+    def _from_displacement(self, column: Column) -> Array:
+        """Return the shear strain of a layer whose faces moved along each other."""
+        if column.heading.unit is None:
+            raise no_unit(self.sheet, column, self.roles)
+        thickness = self.specimen.sizes.thickness
+        if thickness is None:
+            self.specimen.refuse_untaken("thickness")
+            raise InputError(
+                "needs the thickness of the sheared layer to become a shear strain",
+                file=self.sheet.name,
+                column=column.heading.title,
+                remedy='give --thickness 2mm, or add a line "# thickness: 2 mm" on top',
+            )
+        self.notes.append(f"{column.heading.title} is over a sheared layer of {thickness:g} mm")
+        return self._signed(self._values(column, "length", column.name), column) / thickness
 
     def _from_lengths(self, column: Column, name: str) -> Array:
         head = column.heading
@@ -230,7 +256,7 @@ class _Reader:
     def stress(self, place: str, stretch: Array | None) -> tuple[Array | None, bool, Array | None]:
         """Return (nominal stress, whether it is N/mm, its standard deviation)."""
         names = (
-            ("shear stress", "force")
+            ("shear stress", "stress", "force")
             if self.test == "simple-shear"
             else tuple(one for one in STRESSES if one != "shear stress")
         )

@@ -71,6 +71,8 @@ class Specimen:
         sizes = self.sizes
         if test.startswith("biaxial") and sizes.diameter is not None:
             return math.pi * sizes.diameter, True
+        if test == "simple-shear":
+            return self._sheared_area(title), False
         if test in ("uniaxial", "shear", "confined-compression"):
             area = self._area(pressed)
             if area is not None:
@@ -88,6 +90,23 @@ class Specimen:
             file=self.sheet.name,
             column=title,
             remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
+        )
+
+    def _sheared_area(self, title: str) -> float:
+        """Return the area [mm^2] of the face that a force shears: stated, of a disc, or length times width."""
+        sizes, length = self.sizes, self.stated("specimen length")
+        if sizes.area is not None:
+            return sizes.area
+        if sizes.diameter is not None:
+            return math.pi * sizes.diameter**2 / 4.0
+        if sizes.width is not None and length is not None:
+            return sizes.width * length
+        self.refuse_untaken("area", "specimen length", "width")
+        raise InputError(
+            "needs the area that is sheared to become a stress",
+            file=self.sheet.name,
+            column=title,
+            remedy='add a line "# area: 500 mm2" on top, that of all faces which bear the force',
         )
 
     def _area(self, pressed: bool) -> float | None:

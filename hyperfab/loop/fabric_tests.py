@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, sheared
 from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
@@ -40,8 +40,7 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
     path = Path(
         starts=tuple(int(v) for v in np.concatenate([[0], np.cumsum(count)])),
         mode=mode,
-        # A shear strain is l - 1/l of the stretch l in its plane.
-        stretch=np.where(mode == SIMPLE_SHEAR, np.exp(np.arcsinh(0.5 * stretch)), stretch),
+        stretch=np.where(mode == SIMPLE_SHEAR, sheared(stretch), stretch),
         across=column("stretch2"),
         time_s=time,
         temperature_degC=column("temperature_degC"),

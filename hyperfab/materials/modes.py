@@ -7,11 +7,35 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hyperfab.curve import sheared
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.material import Material
 
 #: Modes with one stretch to say where a point lies.
 MODES = ("uniaxial", "shear", "biaxial")
+SIMPLE_SHEAR = "simple-shear"
+
+
+def way(mode: str) -> str:
+    """Return the mode of ``MODES`` through whose states a test leads a body that keeps its volume.
+
+    Simple shear is planar tension but for a turn, which does not strain it.
+
+    >>> way("simple-shear"), way("biaxial")
+    ('shear', 'biaxial')
+    """
+    return "shear" if mode == SIMPLE_SHEAR else mode
+
+
+def share_of_shear(stretch: Array) -> Array:
+    """Return the shear stress of simple shear over the nominal stress of planar tension at the same ``stretch`` l.
+
+    Both are slopes of one energy, along the strain l - 1/l and along l: 1/(1 + l^-2).
+
+    >>> share_of_shear(np.array([1.0, 2.0]))
+    array([0.5, 0.8])
+    """
+    return np.asarray(1.0 / (1.0 + stretch**-2))
 
 
 def second_stretch(mode: str, stretch: Array, contraction: Any = 0.5) -> Array:
@@ -34,11 +58,20 @@ def second_stretch(mode: str, stretch: Array, contraction: Any = 0.5) -> Array:
 def nominal_stress(material: Material, mode: str, stretch: ArrayLike) -> Array:
     """Return the nominal stress [MPa] along the loading direction of ``mode``; nan beyond the law's limit.
 
+    In simple shear of a law that keeps its volume ``stretch`` is the shear strain, and the stress that of shear.
+
     >>> from hyperfab.materials import bind
     >>> nominal_stress(bind("neo-hookean", {"C10_MPa": 0.5}), "shear", [1.0, 2.0])
     array([0.   , 1.875])
     """
     lam = np.asarray(stretch, dtype=float)
+    if mode == SIMPLE_SHEAR:
+        if material.law.compressible:
+            raise ValueError(
+                f"{material.law.name} changes its volume: simple shear is no planar tension of it"
+            )
+        lam = sheared(lam)
+        return stress_at(material, lam, np.ones_like(lam)) * share_of_shear(lam)
     nu = material.law.contraction(material.theta)
     return stress_at(material, lam, second_stretch(mode, lam, nu))
 

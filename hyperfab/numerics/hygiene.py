@@ -77,13 +77,18 @@ def turns(way: Array, share: float = TURN) -> list[slice]:
     return [slice(a, b) for a, b in pairwise(edges) if b > a]
 
 
-def branches(stretch: Array) -> Ints:
+def branches(stretch: Array, share: float = TURN) -> Ints:
     """Return 1 for rows on the way away from stretch 1 and -1 for rows on the way back to it.
 
-    >>> branches(np.array([1.0, 1.5, 2.0, 1.5, 1.1]))
-    array([ 1,  1,  1, -1, -1])
+    What begins compressed is a table in the order of its stretch: it has no way back to rest before it turned.
+
+    >>> branches(np.array([1.0, 1.5, 2.0, 1.5, 1.1])), branches(np.array([0.5, 0.8, 1.0, 1.5]))
+    (array([ 1,  1,  1, -1, -1]), array([1, 1, 1, 1]))
     """
-    return sides(_away(stretch))
+    found = sides(_away(stretch), share)
+    if len(stretch) and stretch[0] < 1.0:
+        found[: int(np.argmax([*(found > 0), True]))] = 1
+    return found
 
 
 def sides(way: Array, share: float = TURN) -> Ints:
@@ -120,8 +125,8 @@ def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None
 
     >>> first_loading(np.array([1.0, 1.5, 1.1, 1.6, 2.0])).tolist()
     [True, True, False, False, False]
-    >>> first_loading(np.array([1.6, 1.4, 1.2])).tolist()
-    [True, True, True]
+    >>> first_loading(np.array([1.6, 1.4, 1.2])).tolist(), first_loading(np.array([0.4, 1.0, 1.2])).tolist()
+    ([True, True, True], [True, True, True])
     """
     side = branches(stretch) if branch is None else branch
     number = cycles(stretch, side) if cycle is None else cycle
@@ -130,8 +135,10 @@ def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None
         return np.asarray(number == number.min()) if len(number) else loading
     found = loading & (number == number[loading].min())
     if branch is None:
-        away = np.where(found, _away(stretch), -np.inf)
-        found &= np.arange(len(stretch)) <= int(np.argmax(away))
+        away = _away(stretch)
+        rows = np.arange(len(stretch))
+        begun = rows >= int(np.argmin(np.where(found, away, np.inf)))
+        found &= rows <= int(np.argmax(np.where(found & begun, away, -np.inf)))
     return np.asarray(found)
 
 

@@ -267,11 +267,12 @@ def test_directions_are_named_though_their_contraction_is_no_ones(hf: Run, tmp_p
 def test_a_test_that_no_sheet_law_has_a_say_in_is_told(hf: Run, tmp_path: Path) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))
     pull = "".join(f"{1 + e:.2f},{0.6 * e:.4f}\n" for e in np.linspace(0.02, 0.5, 20))
-    shear = "".join(f"{g:.2f},{0.2 * g:.4f}\n" for g in np.linspace(-0.3, 0.3, 21))
+    pressed = "".join(f"{1 - e:.2f},{-0.2 * e:.4f}\n" for e in np.linspace(0.0, 0.3, 21))
     (tmp_path / "pull.csv").write_text(f"# test: uniaxial\nstretch,stress [MPa]\n{pull}")
-    (tmp_path / "shear.csv").write_text(f"shear strain,shear stress [MPa]\n{shear}")
-    done = hf("close-loop", "m.json", "pull.csv", "shear.csv", cwd=tmp_path)
-    assert "shear.csv is left out: the model's law has no say in a simple shear test" in done.stderr.decode()
+    (tmp_path / "held.csv").write_text(f"# test: confined-compression\nstretch,stress [MPa]\n{pressed}")
+    done = hf("close-loop", "m.json", "pull.csv", "held.csv", cwd=tmp_path)
+    said = "held.csv is left out: the model's law has no say in a confined compression test"
+    assert said in done.stderr.decode()
     assert sum(json.loads(done.stdout)["left_out"].values()) == 21
 
 

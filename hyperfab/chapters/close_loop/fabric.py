@@ -16,6 +16,7 @@ from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.chapters.fabric import ORTHOTROPIC
+from hyperfab.chapters.fit.readings import carried_by
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
@@ -33,6 +34,7 @@ from hyperfab.loop.gauges import misread
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import MODE_NAMES, OF_A_SHEET
 from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.modes import SIMPLE_SHEAR
 from hyperfab.materials.registry import law_of, stiffness_at_rest
 
 #: Work of a usual run, in refits, for the progress line.
@@ -48,12 +50,16 @@ def run(job: Job, given: Given) -> int:
     before = given_as(given.data, given.name, document.provenance)
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
     thickness = None if document.thickness_nominal else document.thickness_mm
-    carries = MODE_NAMES if document.model in ORDERS else OF_A_SHEET
+    foam = document.model in ORDERS
+    carries = OF_A_SHEET if document.directions else carried_by(document.model)
     tests, held_out = (
         read_measured(job, files, given.layout, thickness, before, given.how, carries) if files else None
         for files in (given.measured, given.case.held)
     )
     assert tests is not None
+    for one in (tests, held_out):
+        if one is not None and not foam:
+            _unturn(one)
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
@@ -94,6 +100,19 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.json").name
         _files(job, out, problem, found, tests.unit)
     return write(job, out, given, found, result)
+
+
+def _unturn(measured: Measured) -> None:
+    """Take simple shear for planar tension, which it is to a law that keeps its volume."""
+    sheared = [test.source for test in measured.tests if test.mode == SIMPLE_SHEAR]
+    if sheared:
+        measured.tests = [
+            test.in_planar_tension() if test.mode == SIMPLE_SHEAR else test for test in measured.tests
+        ]
+        measured.preparation.append(
+            f"{', '.join(sheared)}: simple shear is taken as planar tension at the same principal stretches, its "
+            "stress as that along them"
+        )
 
 
 def pose(

@@ -27,6 +27,7 @@ from hyperfab.documents.material import (
     Unpredicted,
 )
 from hyperfab.materials.identification.quality import Certainty, Figures
+from hyperfab.materials.modes import way
 from hyperfab.materials.stability import stable_plane
 from hyperfab.report.bands import constant
 
@@ -43,7 +44,7 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
             status = "the test reaches beyond the limiting stretch of the law"
             tests[mode] = Unpredicted(points=points, predicted=flag, status=status)
         else:
-            low, high = reach.get(mode, (None, None))
+            low, high = reach.get(way(mode), (None, None))
             tests[mode] = TestFigures(**vars(figures), stretch_min=low, stretch_max=high, predicted=flag)
     correlation = sure.correlation.tolist() if np.isfinite(sure.correlation).all() else None
     return FitFigures(

@@ -15,7 +15,7 @@ from hyperfab.materials import Material
 from hyperfab.materials.identification import Fit, Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import Certainty, Figures, certainty, figures
 from hyperfab.materials.law import Law
-from hyperfab.materials.modes import MODES, nominal_stress
+from hyperfab.materials.modes import MODES, SIMPLE_SHEAR, nominal_stress, way
 from hyperfab.materials.stability import Range, stable_at, stable_over, stable_ranges
 
 #: The temperature [degC] a material is described at, where tests were made at several.
@@ -92,6 +92,8 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     reference = reference_of(temperatures)
     if not law.isotropic and (wrong := _misses_directions(used)):
         return wrong
+    if any(curve.mode == SIMPLE_SHEAR for curve in curves) and not carries_simple_shear(law):
+        return "it carries no test in simple shear"
     rows = _rows(used, temperatures, setting, law)
     problem = Problem(law, rows)
     wanted = len(problem.free) * rows.groups + len(problem.axes)
@@ -233,12 +235,10 @@ def reach(curves: Sequence[TestCurve]) -> dict[str, tuple[float, float]]:
     """Return the smallest and largest stretch of each mode at hand, rest included."""
     found: dict[str, tuple[float, float]] = {}
     for curve in curves:
-        if curve.mode in MODES:
-            low, high = found.get(curve.mode, (1.0, 1.0))
-            found[curve.mode] = (
-                min(low, float(curve.stretch.min())),
-                max(high, float(curve.stretch.max())),
-            )
+        mode, stretch = way(curve.mode), curve.principal
+        if mode in MODES:
+            low, high = found.get(mode, (1.0, 1.0))
+            found[mode] = min(low, float(stretch.min())), max(high, float(stretch.max()))
     return found
 
 
@@ -293,6 +293,11 @@ def specimen_of(curve: TestCurve) -> tuple[str, str | None]:
 def kind_of(curve: TestCurve) -> tuple[str, str | None, float | None]:
     """Specimens of one test, direction and temperature are replicates."""
     return curve.mode, curve.direction_name, curve.temperature
+
+
+def carries_simple_shear(law: Law) -> bool:
+    """Whether simple shear is to ``law`` planar tension but for a turn: it keeps its volume and is alike all round."""
+    return law.isotropic and not law.compressible
 
 
 def _misses_directions(used: Sequence[TestCurve]) -> str | None:
@@ -364,7 +369,7 @@ def _model_stress(fit: Fit, rows: Rows) -> Array:
         own = rows.group == number
         sheet = rows.take(np.flatnonzero(own)).sheet(material.law.contraction(material.theta))
         answer = material.membrane(sheet.l1, sheet.l2)
-        stress[own] = np.where(rows.along[own] == 1, answer.P2, answer.P1)
+        stress[own] = np.where(rows.along[own] == 1, answer.P2, answer.P1) * rows.share[own]
     return stress
 
 

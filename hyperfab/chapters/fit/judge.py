@@ -13,7 +13,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.identification.transfer import stretch_at, transfer_risk
 from hyperfab.materials.law import Law
-from hyperfab.materials.modes import MODES, nominal_stress
+from hyperfab.materials.modes import MODES, nominal_stress, way
 
 #: Below this stretch beyond rest constants have no stable range to speak of.
 _AT_REST = 1.001
@@ -105,9 +105,9 @@ def _carry_over(curves: Sequence[TestCurve], setting: Setting, found: Identified
     fitted = [mode for mode in found.tests if mode in setting.fit_on]
     if len(fitted) > 1:
         return _pooled(without_test(found, mode, curves, setting) for mode in fitted)
-    if fitted[0] not in ("uniaxial", "shear", "biaxial"):
+    if (mode := way(fitted[0])) not in MODES:
         return found.total.relative_rms
-    return math.hypot(found.total.relative_rms, transfer_risk(found.fit, fitted[0]))
+    return math.hypot(found.total.relative_rms, transfer_risk(found.fit, mode))
 
 
 def _pooled(parts: Iterable[Figures | None]) -> float:

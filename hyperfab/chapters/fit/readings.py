@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.identify import near_zero
+from hyperfab.chapters.fit.identify import carries_simple_shear, near_zero
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
@@ -20,17 +20,17 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
+from hyperfab.materials import law
+from hyperfab.materials.effects.path import OF_A_SHEET
 from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.hyperfoam import TESTS as FOAM_TESTS
 from hyperfab.materials.identification.quality import Figures, figures
+from hyperfab.materials.modes import SIMPLE_SHEAR
 from hyperfab.numerics.hygiene import ZERO
 
 if TYPE_CHECKING:
     from hyperfab.chapters.job import Job
 
-#: The tests that all laws but those of foams carry.
-CARRIED = ("uniaxial", "shear", "biaxial", "biaxial-general")
-#: The laws that carry all tests.
-_FOAMS = " and ".join(ORDERS).replace(" and ", ", ", len(ORDERS) - 2)
 #: Tests closer than this in temperature [K] are tests at one temperature; where such a chain of readings is longer than
 #: ``LONG_CHAIN`` [K], one temperature is too few, and that is said.
 SAME_TEMPERATURE, LONG_CHAIN = 5.0, 10.0
@@ -113,7 +113,7 @@ def gather(
     tests: Sequence[TestData],
     steps: Steps,
     relative: bool,
-    carried_by: Sequence[str] = CARRIED,
+    kinds: Sequence[str] = OF_A_SHEET,
     sheet: bool = True,
     noise: float | None = None,
 ) -> Readings:
@@ -122,7 +122,7 @@ def gather(
     Specimens of a ``sheet`` have one thickness; of a body, as foam, blocks and strips may be cut, and none is its own.
 
     With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted, but for those
-    that its ``noise`` [MPa] accounts for; so are tests other than those ``carried_by`` the law.
+    that its ``noise`` [MPa] accounts for; so are tests other than the ``kinds`` that the law carries.
     """
     sheets = [test for test in tests if test.mode != "volumetric"]
     volumetric = [test for test in tests if test.mode == "volumetric"]
@@ -136,13 +136,13 @@ def gather(
         )
     for counts in {id(test.left_out): test.left_out for test in tests}.values():
         found.left_out.update(counts)
-    carried = [test for test in sheets if test.mode in carried_by]
+    carried = [test for test in sheets if test.mode in kinds]
     for test in sheets:
-        if test.mode not in carried_by:
-            found.left_out[f"{test.mode}: only {_FOAMS} carry this test"] += len(test.stretch)
+        if test.mode not in kinds:
+            found.left_out[f"{test.mode}: only {_carriers(test.mode)} carry this test"] += len(test.stretch)
     if not carried:
         raise InputError(
-            f"is a test in {sheets[0].mode.replace('-', ' ')}, which only {_FOAMS} carry"
+            f"is a test in {sheets[0].mode.replace('-', ' ')}, which only {_carriers(sheets[0].mode)} carry"
             if sheets
             else "is a volumetric test alone",
             file=tests[0].source,
@@ -163,7 +163,7 @@ def gather(
             "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
         )
     # Pulls at several temperatures are no cycles of one test.
-    apart = [test for _, test in split] + [test for test in sheets if test.mode not in carried_by]
+    apart = [test for _, test in split] + [test for test in sheets if test.mode not in kinds]
     found.warnings += remarks(apart, settled(steps))
     found.warnings += [
         f"readings between {low:.4g} and {high:.4g} degC are taken together, as at {mean:.4g} degC: nowhere between "
@@ -177,6 +177,20 @@ def gather(
         )
     found.preparation += _contractions(found.curves)
     return found
+
+
+def carried_by(model: str) -> Sequence[str]:
+    """Return the kinds of tests that a law carries, or any law of ``all``."""
+    if model in ORDERS:
+        return FOAM_TESTS
+    sheared = model == "all" or (model != "orthotropic" and carries_simple_shear(law(model)))
+    return (*OF_A_SHEET, SIMPLE_SHEAR) if sheared else OF_A_SHEET
+
+
+def _carriers(mode: str) -> str:
+    """Return in words which laws carry a kind of test that not all do."""
+    foams = " and ".join(ORDERS).replace(" and ", ", ", len(ORDERS) - 2)
+    return f"isotropic laws that keep their volume, {foams}" if mode == SIMPLE_SHEAR else foams
 
 
 def _thickness(tests: Sequence[TestData], sheet: bool) -> tuple[float | None, bool]:
@@ -237,8 +251,9 @@ def _without_zeros(curve: TestCurve, left_out: Counter[str], noise: float | None
         return np.asarray((np.abs(stress) <= ZERO * float(np.abs(stress).max(initial=0.0))) & (floor == 0.0))
 
     zero = nothing(curve.stress)
-    rest = (curve.stretch == 1.0) & ~zero
-    against = ~zero & ~rest & ((curve.stretch - 1.0) * curve.stress < 0.0) & (np.abs(curve.stress) > floor)
+    moved = curve.principal - 1.0
+    rest = (moved == 0.0) & ~zero
+    against = ~zero & ~rest & (moved * curve.stress < 0.0) & (np.abs(curve.stress) > floor)
     if curve.mode == "biaxial-general":
         assert curve.stress2 is not None
         assert curve.stretch2 is not None

@@ -12,7 +12,7 @@ from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
-from hyperfab.chapters.fit.readings import CARRIED, Readings, gather, read_all
+from hyperfab.chapters.fit.readings import Readings, carried_by, gather, read_all
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
@@ -27,7 +27,6 @@ from hyperfab.io.text import number_of_rows
 from hyperfab.io.units import quantity
 from hyperfab.materials import law, laws
 from hyperfab.materials.hyperfoam import ORDERS
-from hyperfab.materials.hyperfoam import TESTS as FOAM_TESTS
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.law import Law
 
@@ -53,7 +52,7 @@ def run(job: Job, case: FitCase) -> int:
     out.refuse_inputs(job.inputs)
     foam = model in ORDERS
     # A foam's rows count by their share of the largest stress: none is without meaning.
-    readings = gather(tests, steps, relative and not foam, FOAM_TESTS if foam else CARRIED, not foam, noise)
+    readings = gather(tests, steps, relative and not foam, carried_by(model), not foam, noise)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
@@ -97,7 +96,7 @@ def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase)
     for curve in sets[None]:
         way = curve.direction_name if curve.direction_name in (document.directions or {}) else None
         known = document.tested_stretch(way)
-        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=way)
+        job.ranges.used("stretch", curve.principal, known=known, source=curve.source, direction=way)
 
     def beside() -> dict[str, bytes]:
         from hyperfab.chapters.fit.siblings import law_csv, law_picture

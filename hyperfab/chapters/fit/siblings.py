@@ -16,7 +16,7 @@ from hyperfab.chapters.fit.replicates import next_specimens
 from hyperfab.chapters.fit.whole import Answer
 from hyperfab.curve import TestCurve, angle_named
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.materials.modes import MODES, nominal_stress
+from hyperfab.materials.modes import MODES, SIMPLE_SHEAR, nominal_stress, way
 from hyperfab.report.figures_fit import Line, fit_figure
 
 _COLUMNS = (
@@ -67,18 +67,22 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return the PNG of the fit: a panel a direction, readings as marks, constants as lines."""
     panels = []
     for name, part in _parts(best):
-        lines = []
+        lines: dict[bool, list[Line]] = {}
         for mode in dict.fromkeys(curve.mode for curve in sets[name]):
             for number, temperature in enumerate(part.temperatures):
                 curves = [c for c in sets[name] if c.mode == mode and c.temperature in (temperature, None)]
-                if not curves or mode not in MODES:
+                sheared = mode == SIMPLE_SHEAR
+                if not curves or way(mode) not in MODES:
                     continue
-                grid = grid_of(curves, 201, 1.0)
+                grid = grid_of(curves, 201, 0.0 if sheared else 1.0)
                 model = nominal_stress(part.materials[number], mode, grid)
-                unstable = part.every_range[number][mode].first_unstable
-                lines.append(line(curves, temperature, (grid, model), setting.fit_on, unstable))
+                unstable = part.every_range[number][way(mode)].first_unstable
+                if sheared and unstable is not None:
+                    unstable -= 1.0 / unstable
+                one = line(curves, temperature, (grid, model), setting.fit_on, unstable)
+                lines.setdefault(sheared, []).append(one)
         title = f"{best.law.name}{', ' + name if name else ''}: relative rms {part.total.relative_rms:.3f}"
-        panels.append((title, lines))
+        panels += [(title, own) for own in lines.values()]
     return fit_figure(panels)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.kinematics import Array
-from hyperfab.numerics.hygiene import sides
+from hyperfab.numerics.hygiene import branches
 
 #: Codes of the deformation modes in ``Path.mode``.
 UNIAXIAL, SHEAR, BIAXIAL, GENERAL, CONFINED, SIMPLE_SHEAR = range(6)
@@ -91,11 +91,8 @@ class Path:
             if np.all(stated != 0):
                 found[rows] = stated
             else:
-                side = sides(np.abs(moved - 1.0), _TURN)
-                if moved[0] < 1.0:  # a table of a compression, from its least stretch on
-                    side[: int(np.argmax([*(side > 0), True]))] = 1
                 # A test begins with loading.
-                found[rows.start + 1 : rows.stop] = side[1:]
+                found[rows.start + 1 : rows.stop] = branches(moved, _TURN)[1:]
         return found
 
     @cached_property

@@ -68,12 +68,13 @@ class Problem:
         sheet = self.rows.sheet(self.law.contraction(theta))
         terms = self.law.terms(sheet, theta)
         second = self.rows.along == 1 if self.rows.along.any() else None
+        counts = self.rows.weight * self.rows.share
         found = []
         for number in self.free:
             stress = terms[number].stress(sheet)
             if second is not None:
                 stress = np.where(second, terms[number].stress(sheet, along=2), stress)
-            found.append(stress * self.rows.weight)
+            found.append(stress * counts)
         return np.stack(np.broadcast_arrays(*found), axis=-1)
 
     def slopes(self, u: Array) -> list[Array]:

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from hyperfab.curve import TestCurve
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Extent
-from hyperfab.materials.modes import second_stretch
+from hyperfab.materials.modes import SIMPLE_SHEAR, second_stretch, share_of_shear, way
 
 
 @dataclass(frozen=True)
 class Rows:
     """All rows of a fit: loading stretch, second stretch where it is measured, stress, weight.
 
+    In simple shear the stretches are the principal ones, and ``share`` what the stress is of dW/dl; 1 elsewhere.
     ``curve`` is the number of the curve a row belongs to, ``along`` is 0 for the stress along the first stretch and
     1 for the second, ``group`` numbers the sets of rows with linear constants of their own.
     """
@@ -31,6 +32,7 @@ class Rows:
     along: NDArray[np.int64]
     curve: NDArray[np.int64]
     group: NDArray[np.int64]
+    share: Array
     _cache: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @classmethod
@@ -57,14 +59,15 @@ class Rows:
                 if axis == 2:
                     one, two = two, one
                 parts += [
-                    (one, two, stress, own, False, along, number, group) for stress, own, along in sides
+                    (one, two, stress, own, False, along, number, group, 1.0) for stress, own, along in sides
                 ]
             else:
-                second = second_stretch(curve.mode, curve.stretch)
-                one, two = (curve.stretch, second) if axis == 1 else (second, curve.stretch)
+                second = second_stretch(way(curve.mode), curve.principal)
+                one, two = (curve.principal, second) if axis == 1 else (second, curve.principal)
                 along = axis - 1
-                parts.append((one, two, curve.stress, weight, uniaxial, along, number, group))
-        kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64)
+                share = share_of_shear(curve.principal) if curve.mode == SIMPLE_SHEAR else 1.0
+                parts.append((one, two, curve.stress, weight, uniaxial, along, number, group, share))
+        kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64, float)
         columns: list[Any] = [
             np.concatenate(
                 [np.broadcast_to(np.asarray(part[i], dtype=kind), part[0].shape) for part in parts]
@@ -99,5 +102,5 @@ class Rows:
 
     def take(self, chosen: NDArray[Any]) -> Rows:
         """Return some of the rows."""
-        names = ("stretch", "second", "stress", "weight", "uniaxial", "along", "curve", "group")
+        names = ("stretch", "second", "stress", "weight", "uniaxial", "along", "curve", "group", "share")
         return Rows(*(getattr(self, name)[chosen] for name in names))
