@@ -9,7 +9,7 @@ left is Student's. Kennedy & O'Hagan (2001), doi:10.1111/1467-9868.00294.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,6 +33,22 @@ class Belief:
         """How sure it is of each entry that it is part of what lacks."""
         names = sorted({name for ids in self.models for name in ids})
         return {name: sum(p for ids, p in self.models.items() if name in ids) for name in names}
+
+    def against(self, odds: Mapping[str, float]) -> Belief:
+        """Return what is believed where something else may stand in the place of names, each with its ``odds``.
+
+        >>> doubted = Belief({frozenset({"rate"}): 0.9}, 0.0, 0.1).against({"rate": 0.25})
+        >>> round(doubted.of["rate"], 6), round(doubted.something_else, 6)
+        (0.18, 0.82)
+        """
+        found = dict.fromkeys(self.models, 0.0)
+        for ids, p in self.models.items():
+            kept = p * float(np.prod([odds[name] / (1.0 + odds[name]) for name in ids.intersection(odds)]))
+            found[ids] += kept
+            rest = ids.difference(odds)
+            found[rest] = found.get(rest, 0.0) + p - kept
+        something_else = self.something_else + found.pop(frozenset(), 0.0)
+        return replace(self, models=found, something_else=something_else)
 
 
 def allowed(before: float) -> float:

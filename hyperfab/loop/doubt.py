@@ -15,13 +15,14 @@ from hyperfab.loop.thresholds import MARGIN, ONE_CLOTH, SMALL, TOLD
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
 
 
-def undoubted(search: Search, best: Candidate) -> Candidate:
+def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, float]]:
     """Take out terms that specimens which scatter more than the few replicates show could explain as well.
 
     The scatter is fitted anew with and without the term, to all specimens: of many that follow a term few need be
     replicates; of one that stands alone nothing is known but what the others scatter by. Where no two were tested
-    alike they may scatter as those of one cloth do.
+    alike they may scatter as those of one cloth do. Each term taken out has its odds against that scatter, below 1.
     """
+    odds: dict[str, float] = {}
     while best.ids and (search.noise.gain_doubt or _none_alike(search)):
         whole, _ = likeliest_scatter(search, best, best)
         worth = {
@@ -33,8 +34,9 @@ def undoubted(search: Search, best: Candidate) -> Candidate:
         weakest = min(worth, key=lambda name: worth[name])
         if worth[weakest] >= MARGIN:
             break
+        odds[weakest] = float(np.exp(0.5 * min(worth[weakest] - MARGIN, 0.0)))
         best = search.without(best, weakest)
-    return best
+    return best, odds
 
 
 def _none_alike(search: Search) -> bool:
@@ -88,6 +90,15 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
         surprise += usual * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
+
+
+def scatter_of_one_cloth(search: Search, state: Candidate, best: Candidate) -> float:
+    """Return the likeliest scatter of specimens of which no two were tested alike, 0 where one cloth has not so much.
+
+    It is that beside a model; what ``best`` leaves counts as noise.
+    """
+    likeliest = likeliest_scatter(search, state, best)[1] if _none_alike(search) else 0.0
+    return likeliest if likeliest <= ONE_CLOTH else 0.0
 
 
 def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:

@@ -13,7 +13,7 @@ from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.doubt import likeliest_scatter, undoubted, without_names
+from hyperfab.loop.doubt import likeliest_scatter, scatter_of_one_cloth, undoubted, without_names
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
@@ -86,9 +86,16 @@ def close(
     scores = {effect.id: score for effect, score in search.ranking(before)}
     worth = search.worth(before)
 
+    odds: dict[str, float] = {}
+
     def sure_of(is_noise: bool = False) -> Belief:
         entries = sum(not effect.not_sought for effect in problem.effects)
-        return belief(before, search.states, entries, is_noise=is_noise)
+        return belief(before, search.states, entries, is_noise=is_noise).against(odds)
+
+    def once_more(gain_sd: float) -> Finding:
+        """Return what is found where all specimens scatter so much, which then counts as noise in all judgements."""
+        wider = replace(level, gain_sd=gain_sd)
+        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
 
     def finding(
         verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
@@ -121,10 +128,14 @@ def close(
     best = _likely(search, before, helpful, sure_of)
     scatter = min(likeliest_scatter(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > level.gain_sd:
-        wider = replace(level, gain_sd=scatter)
-        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
-    kept = undoubted(search, best)
+        return once_more(scatter)
+    kept, against = undoubted(search, best)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
+    if doubted and again and (scatter := scatter_of_one_cloth(search, kept, best)):
+        found = once_more(scatter)
+        still = tuple(name for name in doubted if name not in found.after.ids)
+        return replace(found, assumed=scatter, doubted=tuple(dict.fromkeys((*still, *found.doubted))))
+    odds |= against
     if not kept.ids:
         verdict, assumed = without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
@@ -253,7 +264,7 @@ def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart |
     found = likeliest(search, before, lambda state: is_no_worse(before, state, apart))
     if found is None:
         return None
-    found = undoubted(search, found)
+    found, _ = undoubted(search, found)
     clear = surprise(found) < surprise(best) - np.log(ODDS)
     return found if found.ids and {*found.ids} != {*best.ids} and clear else None
 

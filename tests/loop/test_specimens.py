@@ -84,3 +84,41 @@ def test_slack_of_each_specimen_does_not_hide_what_heat_does(seed: int) -> None:
 def test_specimens_that_differ_in_stiffness_alone_are_noise(seed: int) -> None:
     """However far each is pulled: where some have ended the others must not bend the law."""
     assert found(seed, (23.0,)).verdict == "noise"
+
+
+def one_of_each(seed: int, soften: float) -> Finding:
+    """Return what is found of one specimen at each of four temperatures, along warp and weft; they scatter by 4 %."""
+    random = np.random.default_rng(seed)
+    tests = []
+    for degrees, of_warp in ((0.0, 1.0), (90.0, 0.7)):
+        for celsius in (23.0, 50.0, 80.0, 105.0):
+            stretch = np.linspace(1.0, random.uniform(1.9, 2.1), ROWS)
+            first = stretch**2 + 2.0 / stretch - 3.0
+            stress = 2.0 * (0.4 - 0.04 * first + 0.03 * first**2) * (stretch - stretch**-2)
+            stress *= (
+                of_warp * (1.0 + 0.04 * random.standard_normal()) * (1.0 - soften * (celsius - 23.0) / 82.0)
+            )
+            stress += 5e-3 * random.standard_normal(ROWS)
+            test = TestCurve(
+                "uniaxial", stretch, stress, temperature_degC=np.full(ROWS, celsius), direction=degrees
+            )
+            tests.append(replace(test, source=f"{celsius} {degrees}", specimen=f"{celsius} {degrees}"))
+    weft = (0.28, -0.028, 0.021)
+    return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests, weft=weft), design=False)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_what_single_specimens_scatter_by_is_noise_to_verdict_and_belief_alike(seed: int) -> None:
+    one = one_of_each(seed, 0.2)
+    assert (one.verdict, one.after.ids) == ("effect", ("thermal-softening",))
+    assert 0.01 < one.assumed < 0.05
+    assert one.doubted
+    assert one.belief is not None
+    assert max(one.belief.of.get(name, 0.0) for name in one.doubted) < 0.1
+
+
+@pytest.mark.parametrize("seed", [0, 6])
+def test_single_specimens_that_scatter_alone_are_noise(seed: int) -> None:
+    one = one_of_each(seed, 0.0)
+    assert (one.verdict, one.after.ids) == ("noise", ())
+    assert one.assumed > 0.0

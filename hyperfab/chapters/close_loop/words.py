@@ -168,7 +168,11 @@ def _size(misfit: Misfit, unit: str) -> str:
 def _shares(noise: NoiseFigures) -> str:
     if noise.specimen_scatter is None:
         return ""
-    return f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between specimens)"
+    taken = ", as those of one cloth scatter" if noise.assumed_scatter else ""
+    return (
+        f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between "
+        f"specimens{taken})"
+    )
 
 
 def _least(document: LoopDocument) -> tuple[str, float]:
@@ -283,11 +287,9 @@ def _doubts(found: Finding) -> list[str]:
     share = 100.0 * found.noise.gain_sd
     more = "two or three specimens of each kind of test would tell."
     if found.doubted:
-        how = (
-            f"a little more than the {share:.2g} % in stiffness seen here"
-            if share
-            else "as those of one cloth do"
-        )
+        how = "as those of one cloth do" if found.assumed else "more than those of one cloth do"
+        if share and not found.assumed:
+            how = f"a little more than the {share:.2g} % in stiffness seen here"
         return [
             f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"
         ]
