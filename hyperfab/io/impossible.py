@@ -40,8 +40,10 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
             0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row"
         )
     peak = float(np.abs(stress).max())
+    # A pull may begin with slack; what is nowhere longer than at rest was not pulled.
+    below = 0.9 if stretch.max() > 1.001 else max(0.9, 0.5 * (1.0 + float(stretch.min())))
     swapped = (
-        np.flatnonzero((stretch < 0.9) & (stress > 0.05 * peak))
+        np.flatnonzero((stretch < below) & (stress > 0.05 * peak))
         if peak > 0.0 and found.mode != "biaxial-general"
         else np.array([], dtype=int)
     )
@@ -52,7 +54,8 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
             remedy = f"is it a strain? then say {_as_strain(sheet, pull)}; {remedy}"
         elif push is not None and pull is not None:
-            for turned, where in ((pull, "it was pulled"), (push, "pushing counts as positive")):
+            signed = pull.name not in ("stretch", "length")  # none of these is below nothing
+            for turned, where in [(pull, "it was pulled")] * signed + [(push, "pushing counts as positive")]:
                 flip = sheet.option(
                     [(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")]
                 )
@@ -70,7 +73,13 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         and sheet.layout.choice(pull.heading, sheet.headings) is None
     ):
         rest = int(np.abs(stress).argmin())
-        if abs(stretch[rest] - 2.0) < 0.02 and abs(stress[rest]) <= 0.02 * peak and stretch.min() > 1.2:
+        # No strain is one at rest, and none carries less the larger it is: both are stretches, the latter of a push.
+        pushed = stretch.max() - 0.02 < stretch[rest] > stretch.min() + 0.02
+        if (
+            abs(stretch[rest] - 2.0) < 0.02
+            and (pushed or abs(stress[rest]) <= 0.02 * peak)
+            and stretch.min() > 1.2
+        ):
             title = pull.heading.title
             raise refuse(
                 rest,

@@ -92,7 +92,7 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
                 file=sheet.name,
                 line=line,
                 remedy=f"give it as --{plain}, or correct the line"
-                if plain in _OPTIONS and sheet.over is None
+                if plain in _OPTIONS and sheet.over is None and not sheet.label
                 else "give the file without the option, for it says which test each is, or correct what it says",
             )
     count = len(sheet.lines)

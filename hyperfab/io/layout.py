@@ -36,6 +36,11 @@ class Choice:
             f" [{self.unit}]" if self.unit else ""
         )
 
+    @property
+    def is_number(self) -> bool:
+        """Whether the column is named by its number, from 1."""
+        return re.fullmatch(r"#?\s*\d+", self.title.strip()) is not None
+
     def fits(self, head: Heading, alone: bool) -> bool:
         """Whether it is meant for a column: by its title or label, else by its number from 1."""
         title = plain(self.title)

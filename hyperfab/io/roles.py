@@ -10,6 +10,7 @@ from hyperfab.io.cells import is_number, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for
 from hyperfab.io.headings import KIND, Heading, is_of, meaning, suffixed
+from hyperfab.io.named_tests import kind_named
 
 #: What gives a stretch and what a stress, the surest first.
 STRETCHES = (
@@ -109,7 +110,7 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
     words = [word for word in words if word != head.unit]
     for own, rest in ((words[-1:], words[:-1]), (words[:1], words[1:]), (words[-2:], words[:-2])):
         made = replace(head, label=" ".join(rest))
-        label = state_of(" ".join(own))
+        label = state_of(" ".join(own)) or _test_of(head, " ".join(own))
         if rest and label and read(made) is not None:
             return made, label
     return None
@@ -123,6 +124,12 @@ def state_of(text: str) -> Label | None:
         if match := form.fullmatch(text):
             return Label(text, name, f"{match[1]} {unit}")
     return None
+
+
+def _test_of(head: Heading, text: str) -> Label | None:
+    """Return the test that a word in a title names where the title as a whole says nothing: stress_biaxial."""
+    kind = kind_named(text) if read(head) is None else None
+    return Label(kind, "test", kind) if kind else None
 
 
 def _is_symbol(head: Heading) -> bool:
@@ -142,10 +149,11 @@ def roles(sheet: CsvSheet) -> Roles:
             continue
         what = read(head)
         along = label_of(head) if what is None else None
-        if along is not None and along[1].setting == "direction":  # an axis of a biaxial test, by its name
+        if along is not None and along[1].setting in ("direction", "test"):
             what, head = read(along[0]), along[0]
-            axis = axis_of(along[1].value)
-            what = replace(what, axis=axis) if what is not None and axis else None
+            if what is not None and along[1].setting == "direction":  # an axis of a biaxial test, by its name
+                axis = axis_of(along[1].value)
+                what = replace(what, axis=axis) if axis else None
         if what is None or what.name == "aside":
             if head.title.strip() and any(sheet.columns[head.index]):
                 aside.append(head.title)
@@ -187,7 +195,9 @@ def _ends_in_t(column: Column, *symbols: str) -> bool:
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
     """Set columns aside that a machine leaves without any reading where another tells the same kind of thing."""
     for names in (STRETCHES, STRESSES):
-        same = [(name, one) for name, ones in found.items() if name.split(" ")[0] in names for one in ones]
+        same = [
+            (key, one) for key, ones in found.items() if re.sub(" [2xy]$", "", key) in names for one in ones
+        ]
         read = [one for _, one in same if any(map(is_number, sheet.columns[one[1].heading.index]))]
         for name, one in same if read else ():
             if one not in read and one[0] >= 0:

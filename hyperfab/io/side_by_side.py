@@ -9,7 +9,7 @@ from dataclasses import replace
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain, word_for
 from hyperfab.io.headings import Heading, meaning
-from hyperfab.io.layout import named
+from hyperfab.io.layout import Choice, Layout, named
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.roles import (
     SPECIMEN,
@@ -29,27 +29,58 @@ from hyperfab.io.titles import heading
 def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
 
-    They are told by their titles, equal to the letter and repeated, by ``Probe 1``, ``Specimen 2`` before a
-    title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``, ``_2``, ``_3`` and letters; two numbers
-    are the axes of a general biaxial test, unless the test is known to have ``one_axis``.
+    They are told by their titles, whatever the command line says that these hold: equal to the letter and repeated,
+    by ``Probe 1``, ``Specimen 2`` before a title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``,
+    ``_2``, ``_3`` and letters; two numbers are the axes of a general biaxial test, unless the test is known to have
+    ``one_axis``.
     """
     if (titled := _under_titles(sheet, one_axis)) is not None:
         return titled
-    if sheet.layout.columns:
+    chosen = {
+        head.index: one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings))
+    }
+    if any(one.name.endswith(" 2") or one.is_number for one in chosen.values()):
         return [sheet]
+    own = [heading(one.title, one.index) if one.index in chosen else one for one in sheet.headings]
+    groups, shared, stated = _grouped(own, one_axis)
+    if chosen:
+        sheet = replace(sheet, layout=_for_all_alike(sheet.layout, groups, chosen))
+        groups = {key: _as_chosen(sheet.layout, heads) for key, heads in groups.items()}
+    told = {
+        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
+    }
+    if chosen:  # whose readings the command line sets aside is no specimen
+        groups = {key: heads for key, heads in groups.items() if told[key] & set(STRESSES)}
+    if len(groups) < 2 or not all(told[key] & set(STRESSES) for key in groups):
+        return [sheet]
+    shared = [one for one in sheet.headings if one.index in {head.index for head in shared}]
+    if not all(told[key] & set(STRETCHES) for key in groups) and not fits(
+        [*shared, *next(iter(groups.values()))]
+    ):
+        return [sheet]
+    found = []
+    for key, heads in groups.items():
+        metadata = dict(sheet.metadata)
+        if key in stated:
+            setting, value = stated[key].setting, stated[key].value
+            metadata[setting] = [Entry(value, sheet.header_line, sure=setting == "test")]
+        found.append(_part(sheet, heads, shared, f"{sheet.label} {key}".strip(), metadata))
+    return found
+
+
+def _grouped(
+    heads: Sequence[Heading], one_axis: bool
+) -> tuple[dict[str, list[Heading]], list[Heading], dict[str, Label]]:
+    """Return the headings of each specimen by its key, those that all share, and what keys state, if no specimen."""
     groups: dict[str, list[Heading]] = {}
     shared: list[Heading] = []
-    titles = [plain(head.title) for head in sheet.headings]
+    titles = [plain(head.title) for head in heads]
     repeated = {title for title in titles if title and titles.count(title) > 1}
-    names = {
-        m.name for head in sheet.headings if plain(head.title) in repeated and (m := read(head)) is not None
-    }
+    names = {m.name for head in heads if plain(head.title) in repeated and (m := read(head)) is not None}
     both = bool(names & set(STRETCHES)) and bool(names & set(STRESSES))
-    copies = {
-        title.rpartition(".")[0] for head in sheet.headings if re.fullmatch(r".+\.\d", title := head.title)
-    }
+    copies = {title.rpartition(".")[0] for head in heads if re.fullmatch(r".+\.\d", title := head.title)}
     seen: dict[str, int] = {}
-    for head, title in zip(sheet.headings, titles, strict=True):
+    for head, title in zip(heads, titles, strict=True):
         match = SPECIMEN.fullmatch(plain(head.label))
         copy = re.fullmatch(r"(.+)\.(\d)", head.title)
         if match and (match[2] or by_unit(head)):
@@ -58,7 +89,7 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
         elif title in repeated and both:
             seen[title] = seen.get(title, 0) + 1
             groups.setdefault(str(seen[title]), []).append(head)
-        elif copy and copy[1] in {one.title for one in sheet.headings}:
+        elif copy and copy[1] in {one.title for one in heads}:
             groups.setdefault(str(int(copy[2]) + 1), []).append(
                 replace(heading(copy[1], head.index), title=head.title)
             )
@@ -66,27 +97,39 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
             groups.setdefault("1", []).append(head)
         else:
             shared.append(head)
-    stated: dict[str, Label] = {}
-    if not groups:
-        labelled, shared = _labelled(sheet.headings, one_axis)
-        groups = {label.key: heads for label, heads in labelled.items()}
-        stated = {label.key: label for label in labelled if label.setting != "specimen"}
-    told = {
-        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
+    if groups:
+        return groups, shared, {}
+    labelled, shared = _labelled(heads, one_axis)
+    stated = {label.key: label for label in labelled if label.setting != "specimen"}
+    return {label.key: own for label, own in labelled.items()}, shared, stated
+
+
+def _for_all_alike(
+    layout: Layout, groups: Mapping[str, Sequence[Heading]], chosen: Mapping[int, Choice]
+) -> Layout:
+    """Return what the command line says with that for the columns alike of the other specimens.
+
+    Alike are what titles say beside the specimen; a column whose title is its own may be set aside alone.
+    """
+    every = [one for heads in groups.values() for one in heads]
+    told = [(one, chosen[one.index]) for one in every if one.index in chosen]
+    more = {
+        head.title: replace(choice, title=head.title)
+        for one, choice in reversed(told)
+        for head in every
+        if head.index not in chosen and choice.name != "aside" and plain(one.label) == plain(head.label)
     }
-    if len(groups) < 2 or not all(names & set(STRESSES) for names in told.values()):
-        return [sheet]
-    if not all(names & set(STRETCHES) for names in told.values()) and not fits(
-        [*shared, *next(iter(groups.values()))]
-    ):
-        return [sheet]
-    found = []
-    for key, heads in groups.items():
-        metadata = dict(sheet.metadata)
-        if key in stated:
-            metadata[stated[key].setting] = [Entry(stated[key].value, sheet.header_line, sure=False)]
-        found.append(_part(sheet, heads, shared, f"{sheet.label} {key}".strip(), metadata))
-    return found
+    return replace(layout, columns=(*layout.columns, *more.values()))
+
+
+def _as_chosen(layout: Layout, heads: Sequence[Heading]) -> list[Heading]:
+    """Return a specimen's columns as the command line names them, without those that it sets aside."""
+    made = [(head, layout.choice(head, heads)) for head in heads]
+    return [
+        head if choice is None else named(choice, head)
+        for head, choice in made
+        if choice is None or choice.name != "aside"
+    ]
 
 
 def _part(
@@ -193,7 +236,8 @@ def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[Label, lis
 
 def may_be_specimens(sheet: CsvSheet) -> bool:
     """Whether columns are those of specimens cut in several directions, if the test has one axis, else of its axes."""
-    labels = _labelled(sheet.headings, one_axis=True)[0] if not sheet.layout.columns else {}
+    own = [heading(one.title, one.index) if sheet.layout.columns else one for one in sheet.headings]
+    labels = _labelled(own, one_axis=True)[0]
     above = [] if sheet.over is None else sheet.over[1]
     return any(label.setting == "direction" for label in labels) or any(
         word_for(title, "DIRECTIONS") for title in above

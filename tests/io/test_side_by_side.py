@@ -1,0 +1,132 @@
+"""Tests that stand side by side in one table: what is said of one of their columns holds for those alike."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.layout import layout
+
+STRAIN = np.linspace(0.1, 0.9, 9)
+PULLS = [gain * (1.0 - np.exp(-2.0 * STRAIN)) for gain in (1.0, 1.3)]
+
+
+def table(heads: str, *columns: np.ndarray) -> bytes:
+    rows = [",".join(f"{value:.7g}" for value in row) for row in zip(*columns, strict=True)]
+    return "\n".join([heads, *rows, ""]).encode()
+
+
+def pairs(heads: str) -> bytes:
+    return table(heads, STRAIN, PULLS[0], STRAIN, PULLS[1])
+
+
+def as_told(data: bytes, name: str = "a.csv", test: str | None = "uniaxial") -> list[TestData]:
+    """Read a file with the option that the message of its refusal shows, as it stands there."""
+    with pytest.raises(InputError) as caught:
+        read_tests(data, name, test=test)
+    [option, *_] = re.findall(r"--columns (\"[^\"]*\"|'[^']*')", str(caught.value))
+    return read_tests(data, name, test=test, columns=layout(shlex.split(option)))
+
+
+def same(found: list[TestData], scale: float = 1.0) -> None:
+    assert len(found) == 2
+    for part, pull in zip(found, PULLS, strict=True):
+        assert part.stretch == pytest.approx(1.0 + STRAIN, rel=1e-6)
+        assert part.stress == pytest.approx(scale * pull, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "Strain,Stress,Strain,Stress",
+        "Strain,Stress,Strain.1,Stress.1",
+        "Strain_1,Stress_1,Strain_2,Stress_2",
+        "Probe 1 Strain,Probe 1 Stress,Probe 2 Strain,Probe 2 Stress",
+        "Strain 20C,Stress 20C,Strain 80C,Stress 80C",
+        "Warp strain,Warp stress,Weft strain,Weft stress",
+    ],
+)
+def test_the_unit_that_a_message_asks_for_is_that_of_every_specimen(heads: str) -> None:
+    found = as_told(pairs(heads))
+    same(found)
+    assert len({(part.specimen, part.direction, str(part.temperature_degC)) for part in found}) == 2
+
+
+def test_an_unit_may_be_typed_for_each_and_a_sign_holds_for_all() -> None:
+    data = pairs("Strain_1,Stress_1,Strain_2,Stress_2")
+    each = layout(["Stress_1=stress [kPa],Stress_2=stress [kPa]"])
+    same(read_tests(data, "a.csv", test="uniaxial", columns=each), 1e-3)
+    push = table("Strain_1,Stress_1,Strain_2,Stress_2", -0.5 * STRAIN, PULLS[0], -0.5 * STRAIN, PULLS[1])
+    found = read_tests(push, "a.csv", test="uniaxial", columns=layout(["Stress_1=-stress [MPa]"]))
+    assert [part.stress.max() < 0.0 for part in found] == [True, True]
+
+
+def test_a_specimen_that_is_set_aside_is_not_read() -> None:
+    data = pairs("Strain_1,Stress_1 [MPa],Strain_2,Stress_2 [MPa]")
+    [found] = read_tests(
+        data, "a.csv", test="uniaxial", columns=layout(["Strain_2=aside,Stress_2 [MPa]=aside"])
+    )
+    assert found.stress == pytest.approx(PULLS[0], rel=1e-6)
+
+
+def test_two_axes_that_are_named_stay_axes() -> None:
+    data = pairs("Strain_1,Stress_1,Strain_2,Stress_2")
+    axes = "Strain_1=strain,Stress_1=stress [MPa],Strain_2=strain 2,Stress_2=stress 2 [MPa]"
+    [found] = read_tests(data, "a.csv", columns=layout([axes]))
+    assert found.mode == "biaxial-general"
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "strain_uniaxial,stress_uniaxial [MPa],strain_biaxial,stress_biaxial [MPa]",
+        "Uniaxial strain,Uniaxial stress (MPa),Equibiaxial strain,Equibiaxial stress (MPa)",
+    ],
+)
+def test_titles_may_name_the_test_of_their_column(heads: str) -> None:
+    found = read_tests(pairs(heads), "a.csv")
+    same(found)
+    assert [part.mode for part in found] == ["uniaxial", "biaxial"]
+    with pytest.raises(InputError, match="give the file without the option"):
+        read_tests(pairs(heads), "a.csv", test="uniaxial")
+
+
+def test_tests_named_in_titles_may_share_a_stretch_or_stand_alone() -> None:
+    both = table("stretch,stress_uniaxial [MPa],stress_planar [MPa]", 1.0 + STRAIN, *PULLS)
+    assert [part.mode for part in read_tests(both, "a.csv")] == ["uniaxial", "shear"]
+    [alone] = read_tests(table("strain_uniaxial,stress_uniaxial [MPa]", STRAIN, PULLS[0]), "a.csv")
+    assert alone.mode == "uniaxial"
+    assert alone.stress == pytest.approx(PULLS[0], rel=1e-6)
+
+
+def test_a_strain_and_a_stress_that_nothing_stands_under_leave_the_true_ones() -> None:
+    heads = "True strain;True stress [MPa];Engineering strain;Engineering stress [MPa]"
+    rows = "".join(
+        f"{np.log1p(e):.7g};{s * (1.0 + e):.7g};;\n" for e, s in zip(STRAIN, PULLS[0], strict=True)
+    )
+    [found] = read_tests(f"{heads}\n{rows}".encode(), "a.csv", test="uniaxial")
+    assert found.stretch == pytest.approx(1.0 + STRAIN, rel=1e-6)
+    assert found.stress == pytest.approx(PULLS[0], rel=1e-6)
+
+
+def test_a_strain_that_falls_from_one_as_the_stress_grows_is_a_stretch() -> None:
+    stretch = np.linspace(1.0, 0.93, 15)
+    preload = 0.2 + np.linspace(0.0, 1.0, 15)  # not at rest when the recording began
+    found = as_told(table("strain,stress [kPa]", stretch, -preload))
+    assert found[0].stretch == pytest.approx(stretch, rel=1e-6)
+
+
+def test_a_push_of_a_few_per_cent_whose_stress_is_positive_is_asked_about() -> None:
+    stretch = np.linspace(1.0, 0.93, 15)
+    data = table("stretch,stress [kPa]", stretch, np.linspace(0.0, 1.0, 15))
+    with pytest.raises(InputError, match="below 1") as caught:
+        read_tests(data, "a.csv", test="uniaxial")
+    assert "=-stretch" not in str(caught.value)
+    assert as_told(data)[0].stress.max() <= 0.0
+    slack = table("strain,stress [kPa]", np.linspace(-0.03, 0.5, 15), np.linspace(0.1, 1.0, 15))
+    assert read_tests(slack, "a.csv", test="uniaxial")[0].stretch.min() == pytest.approx(0.97)
