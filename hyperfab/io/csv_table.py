@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
 from hyperfab.io import titles
-from hyperfab.io.cells import is_clock
+from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
@@ -76,6 +76,7 @@ def read_table(
         }
         return set(columns) <= names
 
+    offered = layout is not None
     layout = layout or PLAIN
     sheet = open_sheet(data, name, layout, fits)
     wanted: dict[str, tuple[Heading, str]] = {}
@@ -83,7 +84,7 @@ def read_table(
         kind = _kind(asked)
         heading = sheet.find(column)
         if heading is None and column in columns:
-            raise _missing(sheet, column, columns)
+            raise _missing(sheet, column, columns, offered)
         if heading is not None:
             wanted[column] = (heading, kind)
     if rest is not None:
@@ -119,7 +120,7 @@ def _kind(asked: str) -> str:
 def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     found = []
     for heading in sheet.headings:
-        if heading.index in taken or not heading.name:
+        if heading.index in taken or heading.name in ("", "aside"):
             continue
         resolved = suffixed(heading)
         if is_of(resolved.unit or "-", kind):
@@ -141,12 +142,24 @@ def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[s
     )
 
 
-def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str]) -> InputError:
+def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: bool) -> InputError:
+    """Return the error that a column lacks; with the option that says which it is, where the command has that."""
     heads = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
-    unit = KINDS[_kind(columns[column])].unit
+    kind = _kind(columns[column])
+    unit = KINDS[kind].unit
+    title = f"{column} [{unit if unit != '1' else '-'}]"
+    perhaps = [
+        one.title
+        for one in sheet.headings
+        if one.name not in columns
+        and (one.unit is None or is_of(one.unit, kind))
+        and any(map(is_number, sheet.columns[one.index][:5]))
+    ]
+    settles = (
+        f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""
+    )
     return sheet.wrong(
-        f"has no column {column}; its columns are {heads}",
-        remedy=f'name it "{column} [{unit if unit != "1" else "-"}]"',
+        f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}'
     )
 
 

@@ -18,6 +18,8 @@ from hyperfab.chapters.close_loop.readings import read_thermocouples
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.errors import InputError
+from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.problem import Effect
 
 MODEL = {
@@ -297,9 +299,22 @@ def test_rows_of_thermocouples_that_are_no_reading_are_counted(
     monkeypatch.chdir(tmp_path)
     rows = "".join(f"{t},{20 + t}\n" for t in range(9))
     (tmp_path / "t.csv").write_text(f"time [s],a [degC]\n{rows},,\nmean,24\n")
-    read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a"], None)
+    read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a"], PLAIN)
     assert len(read.times) == 9
     assert read.left_out == {"blank row": 1, "closing row, no reading": 1}
+
+
+def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_message_shows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{t},{20 + t},21,22\n" for t in range(9))
+    (tmp_path / "t.csv").write_text(f"time [s],a [degC],room [degC],T9 [degC]\n{rows}")
+    job = Job("close-loop", [], Console(True))
+    option = "room=aside,T9=aside"
+    with pytest.raises(InputError, match=f'--columns "{option}"'):
+        read_thermocouples(job, "t.csv", ["a"], PLAIN)
+    assert read_thermocouples(job, "t.csv", ["a"], layout([option])).names == ["a"]
 
 
 def test_an_effect_that_was_added_is_not_among_those_the_data_cannot_show() -> None:

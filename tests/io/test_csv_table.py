@@ -141,3 +141,20 @@ def test_thermocouples_without_a_unit_are_asked_for_in_one_line_that_settles_it(
         [25, 31.5],
         [24, 24.5],
     )
+
+
+def test_a_column_that_is_set_aside_is_no_probe() -> None:
+    data = b"time [s],T1 [degC],room [degC]\n0,25,20\n60,31.5,20\n"
+    table = read_table(
+        data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["room [degC]=aside"])
+    )
+    assert list(table.columns) == ["time", "T1"]
+
+
+def test_a_column_that_nothing_names_is_proposed_where_the_command_has_the_option() -> None:
+    data = b"X_Value,Comment,T1 [degC]\n0,,25\n60,,31.5\n"
+    with pytest.raises(InputError, match=re.escape('--columns "X_Value=time [s]"')):
+        read_table(data, "t.lvm", {"time": "time"}, rest="temperature", layout=layout())
+    with pytest.raises(InputError, match="has no column time") as caught:
+        read_table(data, "schedule.csv", {"time": "time"}, rest="temperature")
+    assert "--columns" not in str(caught.value)

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
-from hyperfab.io.layout import Layout
+from hyperfab.io.layout import Layout, filled_in
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
@@ -231,7 +231,7 @@ class Thermocouples:
         return {name: int(count) for name, count in zip(self.names, counts, strict=True) if count}
 
 
-def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout | None) -> Thermocouples:
+def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout) -> Thermocouples:
     """Read a thermocouple file; every column of a temperature must be a probe of the mold."""
     table = read_table(
         job.inputs.read(name),
@@ -246,14 +246,16 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
     )
     known = {probe.casefold(): probe for probe in probes}
     columns = [column for column in table.columns if column not in ("time", "power")]
-    for column in columns:
-        if column.casefold() not in known:
-            raise InputError(
-                f"is no probe of the mold; it has {', '.join(probes) or 'none'}",
-                file=name,
-                column=column,
-                remedy="name the columns after the [[probe]] tables",
-            )
+    strange = [column for column in columns if column.casefold() not in known]
+    if strange:
+        told = [one.entry for one in layout.columns]
+        aside = filled_in([*told, *((column, "aside") for column in strange)])
+        raise InputError(
+            f"is no probe of the mold; it has {', '.join(probes) or 'none'}",
+            file=name,
+            column=strange[0],
+            remedy=f"name the columns after the [[probe]] tables, or leave those of others out: {aside}",
+        )
     readings = np.stack([table[column] for column in columns], axis=1)
     for number, column in enumerate(columns):
         if np.isfinite(readings[:, number]).sum() < FEWEST:
