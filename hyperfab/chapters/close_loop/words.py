@@ -191,10 +191,13 @@ def _left(document: LoopDocument) -> str:
     if document.residual.is_noise:
         return "What is left is noise"
     what, chance = _least(document)
-    return (
-        f"What is left, {document.residual.structured:.2g} of a standard deviation of the noise, is small beside it, "
-        f"though not noise to the tests ({what}: p = {chance:.1g})"
+    beyond = document.residual.structured
+    size = (
+        f", {beyond:.2g} of a standard deviation of the noise, is small beside it"
+        if beyond
+        else " is no larger than the noise"
     )
+    return f"What is left{size}, though not noise to the tests ({what}: p = {chance:.1g})"
 
 
 def _noise(found: Finding, document: LoopDocument) -> str:
@@ -209,12 +212,13 @@ def _noise(found: Finding, document: LoopDocument) -> str:
 
 
 def _held_out(held: Errors) -> str:
-    count = "" if held.tests is None else f"{held.tests} "
-    how = ", each predicted from the others" if held.source != "the files of --hold-out" else ""
+    many = held.tests != 1
+    tests = f"{'' if held.tests is None else f'{held.tests} '}test{'s' * many}"
+    how = f", {'each ' * many}predicted from the others" if held.source != "the files of --hold-out" else ""
     before, after = _size(held.before, held.unit), _size(held.after, held.unit)
     if held.before.rms == held.after.rms:
-        return f"On {count}tests left out{how} it misses by {before}."
-    return f"On {count}tests left out{how} it misses by {before} without, by {after} with what was added."
+        return f"On {tests} left out{how} it misses by {before}."
+    return f"On {tests} left out{how} it misses by {before} without, by {after} with what was added."
 
 
 def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
