@@ -318,3 +318,13 @@ def test_readings_that_are_but_noise_near_zero_are_told_and_counted_by_the_noise
     first = stretch**2 + 2.0 / stretch - 3.0
     model = 2.0 * (C1 + 2.0 * C2 * first + 3.0 * C3 * first**2) * (stretch - stretch**-2)
     assert document["fit"]["E2"] == pytest.approx(np.sum(((model - stress)[1:] / sizes) ** 2), rel=1e-3)
+
+
+def test_that_no_thickness_is_known_is_said_where_the_constants_are_shown(hf: Run, tmp_path: Path) -> None:
+    rows = "".join(f"{k},{0.4 * k:.3f}\n" for k in range(1, 12))
+    (tmp_path / "a.csv").write_text(
+        f"# gauge length: 100 mm\n# width: 20 mm\nextension [mm],force [N]\n{rows}"
+    )
+    done = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "-o", "a.json", cwd=tmp_path)
+    [line] = [one for one in done.stderr.decode().splitlines() if one.startswith("no thickness is known")]
+    assert line in json.loads((tmp_path / "a.json").read_text())["preparation"]

@@ -44,8 +44,8 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             found.append(f"not Drucker-stable over the data{where}{_first_unstable(part)}")
         if part.fit.at_bound and part.along != "weft":
             found.append(
-                f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests ask for more than it may be, "
-                "or do not tell it"
+                f"at the edge of its box{where}: {', '.join(part.fit.at_bound)}; the tests ask for more than it may be,"
+                " or do not tell it"
             )
         sure = part.certainty
         weak = [

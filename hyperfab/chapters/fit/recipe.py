@@ -53,6 +53,7 @@ def run(job: Job, case: FitCase) -> int:
     foam = model in ORDERS
     # A foam's rows count by their share of the largest stress: none is without meaning.
     readings = gather(tests, steps, relative and not foam, carried_by(model), not foam, noise)
+    job.console.note(*readings.preparation)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
