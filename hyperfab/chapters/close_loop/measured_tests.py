@@ -15,7 +15,7 @@ from hyperfab.cases.fit import FitCase
 from hyperfab.cases.like import asked
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.close_loop.readings import told_left_out
-from hyperfab.chapters.fit.prepare import Steps, prepare, settled
+from hyperfab.chapters.fit.prepare import Steps, prepare, settled, whole
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import per_width, remarks, states, understood, unused_columns
 from hyperfab.curve import TestCurve
@@ -116,8 +116,8 @@ def read_measured(
 def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
     """Return the tests without readings that no specimen can have given, each counted in ``found``.
 
-    Those after an extensometer slipped, single readings off the curve, a reading that stands at the end of its range,
-    rows and tests that stand twice.
+    Those after a specimen broke or an extensometer slipped, single readings off the curve, a reading that stands at the
+    end of its range, rows and tests that stand twice.
     """
     kept, seen = [], set()
     for test in tests:
@@ -126,6 +126,7 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
             found.left_out[f"{test.source}: the readings of another test once more"] += len(test.stretch)
             continue
         seen.add(print_of)
+        test = whole(test, found.left_out, f"{test.source}: ")
         sound = np.ones(len(test.stretch), dtype=bool)
         across = test.stretch2 if test.mode == "biaxial-general" else None
         for doubt in look(

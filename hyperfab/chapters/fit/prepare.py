@@ -1,4 +1,4 @@
-"""What may be done to readings before a fit. Nothing is done unasked, and each step is told in the document."""
+"""What may be done to readings before a fit: nothing unasked but to end them where the specimen broke. All is told."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
+from hyperfab.materials.modes import MODES
 from hyperfab.numerics.hygiene import branches, cycles
 
 #: What a preload may be stated as, and what an error shows.
 _PRELOADS = ("stress", "membrane-stress", "force")
+#: A specimen broke where it carried the one share of its peak, then no more than the other to the end of the record,
+#: while it came back by less than the third of its whole way.
+_HELD, _GONE, _STILL = 0.5, 0.05, 0.003
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ def prepare(
 
     InputError where no row is left, unless there may be ``nothing_left``.
     """
-    found = list(curves)
+    found = [whole(curve, left_out) for curve in curves]
     if steps.cycle != "all":
         there = sorted({int(number) for curve in found for number in _numbered(curve)})
         remedy = f"there are cycles {there[0]} to {there[-1]}" if len(there) > 1 else "there is one cycle"
@@ -120,6 +124,35 @@ def prepare(
         found = [_resampled(curve, steps.resample) for curve in found]
         told.append(f"each branch resampled to {steps.resample} points evenly spaced in stretch")
     return found
+
+
+def whole(curve: TestData, left_out: Counter[str], named: str = "") -> TestData:
+    """Return the curve up to the break of its specimen; what a machine records behind it is of its load cell alone."""
+    count = len(curve.stretch)
+    end = broken(curve.stretch, curve.stress) if curve.mode in MODES else count
+    if end == count:
+        return curve
+    left_out[f"{named}behind the break of the specimen"] += count - end
+    return curve.take(np.arange(end))
+
+
+def broken(stretch: Array, stress: Array) -> int:
+    """Return the first row behind the break of a specimen, the number of rows where it stayed whole.
+
+    No specimen that is let go loses its stress at the stretch it had, to carry nothing to the end.
+
+    >>> broken(np.array([1.0, 1.5, 2.0, 2.01, 2.02, 1.0]), np.array([0.0, 0.6, 1.0, 0.2, 0.01, 0.0]))
+    3
+    >>> broken(np.array([1.0, 1.5, 2.0, 1.5, 1.1]), np.array([0.0, 0.6, 1.0, 0.2, 0.0]))
+    5
+    """
+    size, way = np.abs(stress), np.abs(np.log(stretch))
+    peak, count = float(size.max(initial=0.0)), len(stress)
+    gone = 1 + int(np.flatnonzero(size > _GONE * peak)[-1]) if peak > 0.0 else count
+    if gone == count:
+        return count
+    held = int(np.flatnonzero(size[:gone] >= _HELD * peak)[-1])
+    return held + 1 if way[gone] >= way[held] - _STILL * float(np.ptp(way)) else count
 
 
 def _select(
