@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
-from hyperfab.loop.candidate import Candidate, Evidence
+from hyperfab.loop.candidate import Candidate, Evidence, is_foretold
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
@@ -239,14 +239,15 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
 def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callable[[], Belief]) -> Candidate:
     """Take out every name that is less likely than that the others stand without it.
 
-    A formula that is not quite the fabric's leaves more than the right name may, which a further name then takes up:
-    the others keep the forms that leave no more, if there are such ones.
+    The last one too, where what is left without it is small: it is to be likelier than that nothing lacks. A formula
+    that is not quite the fabric's leaves more than the right name may, which a further name then takes up: the others
+    keep the forms that leave no more, if there are such ones.
     """
-    while len(best.ids) > 1:
+    while len(best.ids) > (0 if before.judgement.is_small else 1):
         sure, ids = sure_of(), frozenset(best.ids)
+        models = {frozenset[str](): sure.nothing} if len(ids) == 1 else sure.models
         without = {
-            name: sum(p for fewer, p in sure.models.items() if fewer < ids and name not in fewer)
-            for name in ids
+            name: sum(p for fewer, p in models.items() if fewer < ids and name not in fewer) for name in ids
         }
         weakest = max(best.ids, key=lambda name: without[name] - sure.of[name])
         if without[weakest] <= sure.of[weakest]:
@@ -297,8 +298,10 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
-    """Whether a model misses no more than another, plainly and everywhere."""
-    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
+    """Whether a model misses no more than another, plainly and everywhere, tests left out where they can say so."""
+    pairs = [(base.fit.predicted, state.fit.predicted)]
+    if is_foretold(base, state):
+        pairs.append((base.forecast.predicted, state.forecast.predicted))
     first, measured = state.problem.channel == 0, state.problem.measured
     for old, new in pairs:
         told = first & np.isfinite(old) & np.isfinite(new)

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise, product
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,12 +15,14 @@ from loop.generators import fabric as truths
 
 from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.curve import TestCurve
+from hyperfab.loop.belief import Belief
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.engine import _no_worse, _pruned, close, is_no_worse
+from hyperfab.loop.engine import _likely, _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
+from hyperfab.loop.problem import Curve
 from hyperfab.loop.search import Search
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, uniaxial_pull
@@ -519,3 +523,37 @@ def test_a_law_of_another_kind_is_not_laid_to_the_grips_and_lets_other_tests_ris
         path = replace(uniaxial_pull(np.concatenate([stretch, stretch + 1e-4])), mode=np.full(4, mode))
         stress = Fabric(problem.law, path).stress(found.x[:3], None, terms)
         assert np.all(np.diff(stress.reshape(2, 2), axis=0) > -1e-6), mode
+
+
+def _names(*ids: str) -> Any:
+    return SimpleNamespace(ids=ids, judgement=SimpleNamespace(is_small=True, structured=0.3))
+
+
+@pytest.mark.parametrize(("nothing", "kept"), [(0.29, ()), (0.02, ("ambient-drift",))])
+def test_where_little_is_left_a_name_stays_only_if_it_is_likelier_than_that_nothing_lacks(
+    nothing: float, kept: tuple[str, ...]
+) -> None:
+    bare, named = _names(), _names("ambient-drift")
+    search: Any = SimpleNamespace(without=lambda state, name: bare, states=[bare, named])
+    sure = Belief({frozenset({"ambient-drift"}): 0.12, frozenset({"sensor-lag"}): 0.11}, nothing, 0.11)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("hyperfab.loop.engine.surprise", lambda state: 0.0)
+        assert _likely(search, bare, named, lambda: sure).ids == kept
+
+
+@pytest.mark.parametrize(("last", "no_worse"), [(3.0, True), (1.0, False)])
+def test_pieces_that_do_not_show_an_effect_say_nothing_against_it(last: float, no_worse: bool) -> None:
+    """Only the end of a curve shows it, and the others cannot foretell that: what they move by is chance."""
+    curves = (Curve("a", 0, 4, np.arange(4.0)), Curve("b", 4, 8, np.arange(4.0)))
+    problem = SimpleNamespace(curves=curves, channel=np.zeros(8, dtype=int), measured=np.zeros(8))
+
+    def state(left: float, foretold: float) -> Any:
+        residual = np.repeat([1.0, left], 4)
+        told = np.repeat([foretold, np.nan], 4)
+        return SimpleNamespace(
+            problem=problem,
+            fit=SimpleNamespace(residual=residual, predicted=residual),
+            forecast=SimpleNamespace(predicted=told),
+        )
+
+    assert is_no_worse(state(last, 1.0), state(1.0, 1.01)) is no_worse

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.special import gamma, kv
 
-from hyperfab.chapters.close_loop.words import another_unit, delivered_of
+from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
 from hyperfab.loop.emulator import Axis, emulate
 from hyperfab.loop.engine import close
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
 from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Curve
 
 KNOTS = np.linspace(5.0, 60.0, 12)
 
@@ -167,3 +172,26 @@ def test_noise_that_is_known_badly_and_guessed_too_low_is_nothing_else(low: floa
     assert found.verdict == "noise"
     assert found.belief is not None
     assert found.belief.something_else <= 1.0 / (2.0 + len(problem.effects)) + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("third", "told"),
+    [
+        (lambda warm: 0.9 * warm, False),
+        (lambda warm: np.full(len(warm), 21.4), True),  # it hangs in the air
+        (lambda warm: np.where(warm > 120.0, 1372.0, warm), True),  # its wire broke
+        (lambda warm: 1.8 * warm + 32.0, True),  # degF
+    ],
+)
+def test_a_thermocouple_at_fault_is_told_from_the_others(
+    third: Callable[[np.ndarray], np.ndarray], told: bool
+) -> None:
+    warm = np.linspace(20.0, 200.0, 30)
+    curves = tuple(Curve(name, 30 * k, 30 * k + 30, warm) for k, name in enumerate(("a", "b", "c")))
+    given = np.tile(warm, 3)
+    problem: Any = SimpleNamespace(
+        states={"probe": given}, curves=curves, own=(), predict=lambda own, terms: given,
+        measured=np.concatenate([1.1 * warm, 1.05 * warm, third(warm)]),
+    )  # fmt: skip
+    said = strange_probes(problem)
+    assert [one.split()[0] for one in said] == (["c"] if told else [])

@@ -20,6 +20,8 @@ _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
 #: Readings so many times what the model says, or so many times less, are asked about: newtons in a kilogram-force, less
 #: some; where the model has less than this share of its largest value they are not.
 _ANOTHER_UNIT, _LITTLE = 8.0, 0.1
+#: Times as far, or as little, as the others that a probe moves beside the model before it is at fault: degF makes 1.8.
+_OTHER_PROBE = 1.5
 
 
 def strength(lowered: float) -> str:
@@ -90,6 +92,8 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
         for what in _walls(problem, found)
     ]
     told += another_unit(problem)
+    if document.verdict == "unexplained":
+        told += strange_probes(problem)
     held = document.held_out
     if held is not None and held.after.rms > held.before.rms:
         told.append(
@@ -122,6 +126,27 @@ def another_unit(problem: Problem) -> list[str]:
                 "heads of the columns, and those of the model"
             )
     return told
+
+
+def strange_probes(problem: Problem) -> list[str]:
+    """Return which thermocouples move so much more or less beside the model than the others that they are at fault.
+
+    Of three or more: of two nobody knows which.
+    """
+    if "probe" not in problem.states or len(problem.curves) < 3:
+        return []
+    given = delivered_of(problem)
+    moved = np.array(
+        [[np.ptp(row[curve.rows]) for curve in problem.curves] for row in (problem.measured, given)]
+    )
+    beside = moved[0] / np.maximum(moved[1], 1e-12)
+    beside /= max(float(np.median(beside)), 1e-12)
+    return [
+        f"{curve.name} moves by {far:.3g} K, where the model as delivered does by {said:.3g} K, unlike the others: "
+        "check its wiring, its unit and its place, or leave its column out"
+        for curve, far, said, ratio in zip(problem.curves, *moved, beside, strict=True)
+        if not 1.0 / _OTHER_PROBE < ratio < _OTHER_PROBE
+    ]
 
 
 def _how_far(document: LoopDocument) -> str:
