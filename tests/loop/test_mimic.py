@@ -89,7 +89,8 @@ def test_look_alike_is_flagged_however_large_the_effect(size: float) -> None:
 def test_a_name_goes_that_is_less_likely_than_the_others_without_it(
     chances: dict[str, float], left: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    states = [SimpleNamespace(ids=tuple(ids)) for ids in chances]
+    judgement = SimpleNamespace(is_small=False)
+    states = [SimpleNamespace(ids=tuple(ids), judgement=judgement) for ids in chances]
     search: Any = SimpleNamespace(states=states, without=lambda best, name: None)
     sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
     monkeypatch.setattr(engine, "surprise", lambda state: 0.0)
