@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heldout import Forecast, HeldOut, Help, forecast, leave_curves_out
 from hyperfab.loop.judge import Judgement, judge
@@ -60,19 +58,6 @@ class Candidate:
     def ids(self) -> tuple[str, ...]:
         """The effects in it, in the order they were added."""
         return tuple(self.fit.forms)
-
-
-def is_foretold(smaller: Candidate, larger: Candidate) -> bool:
-    """Whether most of what ``larger`` explains beyond ``smaller`` lies in tests that both foretell from the others.
-
-    Where it does not, as where only the end of one curve shows it, how the others move by chance says nothing.
-    """
-    told = np.isfinite(smaller.forecast.predicted) & np.isfinite(larger.forecast.predicted)
-    gone = smaller.fit.residual**2 - larger.fit.residual**2
-    for curve in smaller.problem.curves:
-        if curve.beforehand:
-            gone[curve.rows] = 0.0
-    return bool(np.sum(gone[told]) >= MOST * np.sum(gone))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
-from hyperfab.loop.candidate import Candidate, Evidence, is_foretold
+from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
@@ -298,10 +298,8 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
-    """Whether a model misses no more than another, plainly and everywhere, tests left out where they can say so."""
-    pairs = [(base.fit.predicted, state.fit.predicted)]
-    if is_foretold(base, state):
-        pairs.append((base.forecast.predicted, state.forecast.predicted))
+    """Whether a model misses no more than another, plainly and everywhere."""
+    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
     first, measured = state.problem.channel == 0, state.problem.measured
     for old, new in pairs:
         told = first & np.isfinite(old) & np.isfinite(new)

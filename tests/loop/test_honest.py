@@ -22,7 +22,6 @@ from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
-from hyperfab.loop.problem import Curve
 from hyperfab.loop.search import Search
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, uniaxial_pull
@@ -539,21 +538,3 @@ def test_where_little_is_left_a_name_stays_only_if_it_is_likelier_than_that_noth
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("hyperfab.loop.engine.surprise", lambda state: 0.0)
         assert _likely(search, bare, named, lambda: sure).ids == kept
-
-
-@pytest.mark.parametrize(("last", "no_worse"), [(3.0, True), (1.0, False)])
-def test_pieces_that_do_not_show_an_effect_say_nothing_against_it(last: float, no_worse: bool) -> None:
-    """Only the end of a curve shows it, and the others cannot foretell that: what they move by is chance."""
-    curves = (Curve("a", 0, 4, np.arange(4.0)), Curve("b", 4, 8, np.arange(4.0)))
-    problem = SimpleNamespace(curves=curves, channel=np.zeros(8, dtype=int), measured=np.zeros(8))
-
-    def state(left: float, foretold: float) -> Any:
-        residual = np.repeat([1.0, left], 4)
-        told = np.repeat([foretold, np.nan], 4)
-        return SimpleNamespace(
-            problem=problem,
-            fit=SimpleNamespace(residual=residual, predicted=residual),
-            forecast=SimpleNamespace(predicted=told),
-        )
-
-    assert is_no_worse(state(last, 1.0), state(1.0, 1.01)) is no_worse

@@ -26,7 +26,6 @@ from hyperfab.documents.loop import (
     Residual,
 )
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.loop.candidate import is_foretold
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.judge import Judgement
@@ -153,17 +152,14 @@ def _rms(values: Array) -> float:
 
 
 def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
-    """Return the plain errors of each test predicted by a fit to the others, over those that both models can tell.
-
-    None where tests that show next to nothing of the effects are missed by more: that is chance, and says nothing.
-    """
+    """Return the plain errors of each test predicted by a fit to the others, over those that both models can tell."""
     first = problem.channel == 0
     old, new = found.before.forecast, found.after.forecast
     known = first & np.isfinite(old.predicted) & np.isfinite(new.predicted)
     if not np.any(known):
         return None
     spread = found.noise.spread(found.after.fit.predicted)[known]
-    errors = errors_of(
+    return errors_of(
         problem.measured[known],
         old.predicted[known],
         new.predicted[known],
@@ -172,8 +168,6 @@ def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
         len(set(old.tests) & set(new.tests)),
         "each test predicted from all others",
     )
-    worse = errors.after.rms > errors.before.rms
-    return None if worse and not is_foretold(found.before, found.after) else errors
 
 
 def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
