@@ -56,11 +56,13 @@ def run(job: Job, case: ContactCase) -> int:
         if status:
             job.console.warn(f"{fabric.name}: {status}")
         _table(job, fabric, outcome, number)
-    if found.cut_max_mm and found.force_error_relative and found.force_error_relative > case.tolerance:
-        job.console.warn(
-            f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch: its force is sure to "
-            f"{100.0 * found.force_error_relative:.2g} % only; round the edges, or choose a smaller --mesh-size"
-        )
+    if found.force_error_relative and found.force_error_relative > case.tolerance:
+        why, round_them = f"more than the {100.0 * case.tolerance:.2g} % asked for", ""
+        if found.cut_max_mm:
+            why = f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch"
+            round_them = "round the edges, or "
+        sure_to = f"the force is sure to {100.0 * found.force_error_relative:.2g} % only"
+        job.console.warn(f"{sure_to}, {why}: {round_them}choose a smaller --mesh-size")
     sure = Sure()
     if found.converged:
         sure = carry(
