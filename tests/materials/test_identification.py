@@ -91,6 +91,15 @@ def test_the_optimum_of_the_richer_laws_is_no_worse_than_known(
     assert found.sse < ROUNDED[name][case] + 0.6e-5
 
 
+@pytest.mark.parametrize("alpha", [78.0, -150.0])
+def test_powers_of_what_stiffens_within_a_few_per_cent_are_found(alpha: float) -> None:
+    stretch = np.linspace(1.002, 1.053, 17)
+    power = stretch ** (alpha - 1.0) - stretch ** (-0.5 * alpha - 1.0)
+    stress = 0.025 * 2.0 / alpha * power
+    found = fitted("ogden-1", [TestCurve("uniaxial", stretch, stress, 1.0 / stress)])
+    assert found.material.parameters["alpha1"] == pytest.approx(alpha, rel=1e-6)
+
+
 @pytest.mark.parametrize("name", sorted({*OPTIMUM, *ROUNDED}))
 def test_E2_is_that_of_the_written_constants_in_fifty_digits(name: str, curves: list[TestCurve]) -> None:
     found = fitted(name, curves)
