@@ -15,11 +15,13 @@ from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.readings import read_thermocouples
+from hyperfab.chapters.close_loop.words import _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError
 from hyperfab.io.layout import PLAIN, layout
+from hyperfab.loop.belief import Belief
 from hyperfab.loop.problem import Effect
 
 MODEL = {
@@ -326,3 +328,12 @@ def test_an_effect_that_was_added_is_not_among_those_the_data_cannot_show() -> N
     )  # fmt: skip
     [row] = _candidates(SimpleNamespace(effects=(effect,)), found)  # type: ignore[arg-type]
     assert row.visible
+
+
+@pytest.mark.parametrize(("beside", "told"), [({"tilt", "set"}, False), ({"wedge"}, True)])
+def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(
+    beside: set[str], told: bool
+) -> None:
+    belief = Belief({frozenset({"tilt"}): 0.6, frozenset(beside): 0.4}, 0.0, 0.0)
+    found: Any = SimpleNamespace(after=SimpleNamespace(ids=("tilt",)), belief=belief)
+    assert ("though with more of them wedge (0.4) might" in _no_other(found)) is told

@@ -22,6 +22,8 @@ _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
 _ANOTHER_UNIT, _LITTLE = 8.0, 0.1
 #: Times as far, or as little, as the others that a probe moves beside the model before it is at fault: degF makes 1.8.
 _OTHER_PROBE = 1.5
+#: An entry is told beside what was found from this probability on.
+_MIGHT = 0.1
 
 
 def strength(lowered: float) -> str:
@@ -47,7 +49,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     if document.held_out is not None:
         lines.append(_held_out(document.held_out))
     if document.verdict == "effect":
-        lines.append(f"{_left(document)}, and no other entry of the catalogue could stand in its place.")
+        lines.append(f"{_left(document)}, and {_no_other(found)}.")
     if document.verdict == "ambiguous":
         lines.append(f"{_left(document)}.")
     if document.indistinguishable:
@@ -210,6 +212,22 @@ def _least(document: LoopDocument) -> tuple[str, float]:
     }
     what = min(tests, key=lambda name: tests[name])
     return what, tests[what]
+
+
+def _no_other(found: Finding) -> str:
+    """Return that nothing else could stand for what was found, and what might that takes more to say it."""
+    added, models = frozenset(found.after.ids), found.belief.models if found.belief else {}
+    instead: dict[str, float] = {}
+    for ids, probability in models.items():
+        for name in ids - added if added - ids else ():
+            instead[name] = instead.get(name, 0.0) + probability
+    likely = [f"{name} ({chance:.2g})" for name, chance in sorted(instead.items()) if chance >= _MIGHT]
+    if not likely:
+        return "no other entry of the catalogue could stand in its place"
+    return (
+        "no other entry of the catalogue could stand in its place with as few constants, though with more of them "
+        f"{', '.join(likely)} might (probability)"
+    )
 
 
 def _left(document: LoopDocument) -> str:
