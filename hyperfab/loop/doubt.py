@@ -13,6 +13,8 @@ from hyperfab.loop.thresholds import MARGIN, ONE_CLOTH, SMALL, TOLD
 
 #: Scatters of specimens that are tried.
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
+#: Specimens that what is usual counts for.
+_USUAL = 2.0
 
 
 def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, float]]:
@@ -41,8 +43,7 @@ def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, flo
 
 def _none_alike(search: Search) -> bool:
     """Whether nothing but what specimens of one cloth do tells how much these scatter, several of them."""
-    noise = search.noise
-    return len(noise.groups) > 1 and not noise.gain_sd and not replicates(search.problem.curves)
+    return len(search.noise.groups) > 1 and not replicates(search.problem.curves)
 
 
 def _of_each(state: Candidate, name: str) -> float:
@@ -64,11 +65,12 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     Beside it a few that follow a term by chance, or agree by chance, must not pass for ones that do not scatter: what
     is usual counts as two specimens more (a scaled inverse chi-squared distribution of the variance), and those that
     mean and terms are told from count no more (restricted likelihood: Patterson & Thompson 1971,
-    doi:10.1093/biomet/58.3.545). Where no two were tested alike all of them count, and what is usual as one.
+    doi:10.1093/biomet/58.3.545).
     """
 
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
-    most = TOLD * search.noise.gain_doubt or np.inf
+    # Where none were, than one cloth does.
+    most = TOLD * search.noise.gain_doubt or (ONE_CLOTH if _none_alike(search) else np.inf)
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
     def misfits(one: Candidate) -> tuple[Array, Array]:
@@ -82,23 +84,19 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     count = np.unique(search.problem.channel, return_counts=True)[1]
     surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
     if best is not None:
-        usual = 1.0
-        if not _none_alike(search):
-            usual = 2.0
-            surprise -= entropy * min((1.0 + len(best.ids)) / len(search.noise.groups), 1.0)
+        surprise -= entropy * min((1.0 + len(best.ids)) / len(search.noise.groups), 1.0)
         variance = np.array(scatters) ** 2
-        surprise += usual * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
+        surprise += _USUAL * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 
 
 def scatter_of_one_cloth(search: Search, state: Candidate, best: Candidate) -> float:
-    """Return the likeliest scatter of specimens of which no two were tested alike, 0 where one cloth has not so much.
+    """Return the likeliest scatter beside a model of specimens of which no two were tested alike, 0 where two were.
 
-    It is that beside a model; what ``best`` leaves counts as noise.
+    What ``best`` leaves counts as noise.
     """
-    likeliest = likeliest_scatter(search, state, best)[1] if _none_alike(search) else 0.0
-    return likeliest if likeliest <= ONE_CLOTH else 0.0
+    return likeliest_scatter(search, state, best)[1] if _none_alike(search) else 0.0
 
 
 def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:
@@ -115,10 +113,7 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
     if any(off > 0.0 for off in search.problem.forbidden(before.fit.x, {}).values()):
         # What nature does not allow is not what is left once specimens scatter.
         return "unexplained", 0.0
-    likeliest = likeliest_scatter(search, before)[1]
-    if not noise.gain_sd and likeliest > ONE_CLOTH:
-        return "unexplained", 0.0
-    assumed = max(noise.gain_doubt, likeliest)
+    assumed = max(noise.gain_doubt, likeliest_scatter(search, before)[1])
     left = float(
         np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit))
     )

@@ -131,7 +131,11 @@ def close(
         return once_more(scatter)
     kept, against = undoubted(search, best)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
-    if doubted and again and (scatter := scatter_of_one_cloth(search, kept, best)):
+    if (
+        again
+        and not (kept.ids and explains(before, kept))
+        and (scatter := scatter_of_one_cloth(search, kept, best))
+    ):
         found = once_more(scatter)
         still = tuple(name for name in doubted if name not in found.after.ids)
         return replace(found, assumed=scatter, doubted=tuple(dict.fromkeys((*still, *found.doubted))))

@@ -334,9 +334,8 @@ def _doubts(found: Finding) -> list[str]:
     share = 100.0 * found.noise.gain_sd
     more = "two or three specimens of each kind of test would tell."
     if found.doubted:
-        how = "as those of one cloth do" if found.assumed else "more than those of one cloth do"
-        if share and not found.assumed:
-            how = f"a little more than the {share:.2g} % in stiffness seen here"
+        seen = f"a little more than the {share:.2g} % in stiffness seen here"
+        how = seen if share and not found.assumed else "as those of one cloth do"
         return [
             f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"
         ]
