@@ -28,6 +28,7 @@ class Earlier(Generic[CaseT]):
     cls      the class of its case
     values   those of the case, with the files where they are now; settings that no document keeps are not among them
     read     the SHA-256 of all that was read then, by the name it has from here
+    far      those of what lay too far off to be named but by its bare name, and is not named by the case
     changed  inputs that the case names and that have changed since
     """
 
@@ -35,6 +36,7 @@ class Earlier(Generic[CaseT]):
     cls: type[CaseT]
     values: Mapping[str, Any]
     read: Mapping[str, str]
+    far: Mapping[str, Collection[str]]
     changed: Sequence[str]
 
     @property
@@ -47,12 +49,18 @@ class Earlier(Generic[CaseT]):
 
     def altered(self, inputs: Inputs) -> list[str]:
         """Return files read now that lie where the earlier run read others, besides those the case names."""
-        now = {os.path.normpath(file.name): file.sha256 for file in inputs.files if file.name != "-"}
-        return [
-            name
-            for name, known in self.read.items()
-            if name in now and now[name] != known and name not in self.changed
+        # By absolute path: a study names its files so.
+        now = {os.path.abspath(file.name): file for file in inputs.files if file.name != "-"}
+        near = {os.path.abspath(name): name for name in self.read if name not in self.changed}
+        moved = [
+            near[place] for place in near if place in now and now[place].sha256 != self.read[near[place]]
         ]
+        hidden = [
+            file.name
+            for place, file in now.items()
+            if place not in near and file.sha256 not in self.far.get(_base(place), [file.sha256])
+        ]
+        return moved + hidden
 
 
 def earlier(
@@ -91,8 +99,16 @@ def earlier(
             values[one.name] = tuple(
                 search.found(name, next(each)) if one.files([name]) else name for name in value
             )
-    read = {search.beside(one.name): one.sha256 for one in provenance.inputs}
-    return Earlier(name, cls, values, read, search.changed)
+    read = {search.beside(file.name): file.sha256 for file in provenance.inputs}
+    named = {
+        digest for known in hashes.values() for digest in (known if isinstance(known, list) else [known])
+    }
+    far: dict[str, set[str]] = {}
+    for file in provenance.inputs:
+        bare = file.name == _base(file.name) and not os.path.isfile(search.beside(file.name))
+        if bare and file.sha256 not in told:
+            far.setdefault(file.name, set()).add(file.sha256)
+    return Earlier(name, cls, values, read, far, search.changed)
 
 
 def asked(

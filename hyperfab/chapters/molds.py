@@ -143,9 +143,10 @@ def _refuse_holes(body: MoldFile, plane: float) -> None:
     for what, above in (("an open edge (a hole)", holes), ("an edge of more than two facets", crowded)):
         if above:
             at = surface.vertices[surface.faces[above[0]]].mean(0)
+            more = len(above) - 1
+            others = f", and {more} more such facet{'s' if more > 1 else ''}" if more else ""
             raise InputError(
-                f"has {what} above the plane of the sheet, near ({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g}) mm, and "
-                f"{len(above) - 1} more such facets",
+                f"has {what} above the plane of the sheet, near ({at[0]:.4g}, {at[1]:.4g}, {at[2]:.4g}) mm{others}",
                 file=body.name,
                 facet=int(body.facet[above[0]]) + 1,
                 remedy="if this is the border of a patch of surface, extrude the border down, below the sheet's plane "

@@ -157,6 +157,8 @@ def check_place(target: str) -> None:
         raise OutputError(f"{target[:80]}...: {error.strerror}; choose a shorter name") from None
     if occupied:
         raise OutputError(f"{target}: is a folder")
+    if folder.exists() and not folder.is_dir():
+        raise OutputError(f"{target}: {folder} is a file, not a folder; choose another name")
     if not folder.is_dir():
         raise OutputError(f"{target}: the folder {folder} does not exist; make it first")
     if not os.access(folder, os.W_OK | os.X_OK):

@@ -207,6 +207,22 @@ def test_a_hole_above_the_sheet_is_refused_and_one_below_is_not(drape, folder):
     assert json.loads(out)["mold"]["closed"] is False
 
 
+def test_only_what_there_is_is_told_of_further_facets(drape, folder):
+    """A fin has one facet with an open edge, a hole of one facet has three beside it."""
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=60.0)
+    top = int(np.argmax(mesh.triangles_center[:, 2]))
+    edge = mesh.faces[top][:2]
+    vertices = np.vstack([mesh.vertices, mesh.vertices[edge].mean(0) + np.array([0.0, 0.0, 5.0])])
+    (folder / "ball.stl").write_bytes(
+        stl_bytes(vertices, np.vstack([mesh.faces, [*edge, len(vertices) - 1]]))
+    )
+    fin = drape()[2]
+    assert "an open edge" in fin
+    assert "more such" not in fin
+    (folder / "ball.stl").write_bytes(stl_bytes(mesh.vertices, np.delete(mesh.faces, top, 0)))
+    assert "mm, and 2 more such facets; if" in drape()[2]
+
+
 def test_a_mold_that_reaches_the_clamped_edge_is_refused(drape):
     status, _, err = drape("--size", "90mmx90mm")
     assert status == 3

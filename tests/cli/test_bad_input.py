@@ -204,6 +204,7 @@ CASES = [
     usage("output through a link is input", "fabric-contact", "fabric.json", "-o", "link.json", said=("input",)),
     usage("output is no document", *FIT, "a.csv", "-o", "a.txt", said=("a.txt", ".json")),
     usage("no such folder", *FIT, "a.csv", "-o", "none/a.json", said=("none", "does not exist"), status=5),
+    usage("folder is a file", *FIT, "a.csv", "-o", "a.csv/a.json", said=("a.csv is a file, not a folder",), status=5),
     usage("output is a folder", *FIT, "a.csv", "-o", "folder.json", said=("folder.json",), status=5),
     usage("folder not writable", *FIT, "a.csv", "-o", "/proc/a.json", said=("/proc/a.", "unchanged"), status=5),
 ]  # fmt: skip

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +13,10 @@ import trimesh
 from builders import plate
 from conftest import ROOT, Run
 
+from hyperfab.cases.like import earlier
+from hyperfab.cases.sweep import SweepCase
+from hyperfab.documents.provenance import record
+from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl_write import stl_bytes
 
 FABRIC = {
@@ -208,6 +214,38 @@ def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(
     assert done.returncode == 3
     assert b"ball.stl" in done.stderr
     assert b"no such file" in done.stderr
+
+
+def test_files_that_a_study_names_by_their_place_are_told_where_they_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A study reads its files by their whole place, and one too far from the document is known by its bare name."""
+    files = {"shop/near.csv": "1", "shop/out/in.csv": "1", "far/off/away.csv": "1", "far/off/same.csv": "1"}
+    inputs = Inputs()
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "shop" / "study.toml").write_text("")
+    hashes = {"study": hashlib.sha256(b"").hexdigest()}
+    read = [inputs.read("shop/study.toml"), *(inputs.read(str(tmp_path / name)) for name in files)]
+    assert len(read) == 5
+    provenance = record("sweep", ["shop/study.toml"], inputs.files, "shop/out/sweep.json")
+    assert [one.name for one in provenance.inputs][3:] == ["away.csv", "same.csv"]
+    document = {
+        "format": "hyperfab.sweep/1", "name": "n", "cases": 0, "steps": 0, "by_status": {}, "axes": {}, "figures": {},
+        "table": "t.csv",
+        "provenance": provenance.model_dump(), "setup": {"study": "study.toml", "sha256": hashes},
+    }  # fmt: skip
+    made = earlier(SweepCase, document, "shop/out/sweep.json", ())
+    for name in list(files)[:3]:
+        (tmp_path / name).write_text("2")
+    again = Inputs()
+    for name in files:
+        again.read(str(tmp_path / name))
+    assert made.altered(inputs) == []
+    told = [os.path.relpath(name, tmp_path) if os.path.isabs(name) else name for name in made.altered(again)]
+    assert told == list(files)[:3]
 
 
 @pytest.mark.slow

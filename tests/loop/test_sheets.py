@@ -10,7 +10,11 @@ import numpy as np
 import pytest
 from scipy.special import gamma, kv
 
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.chapters.close_loop import drape as closing
 from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
+from hyperfab.chapters.job import Job
+from hyperfab.console import Console
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
 from hyperfab.loop.emulator import Axis, emulate
@@ -58,6 +62,31 @@ def drape() -> DrapeProblem:
     )
     flat = np.random.default_rng(5).uniform(-90.0, 90.0, (40, 2))
     return drape_problem(draped, [Markers("m", flat, np.zeros((40, 3)))])
+
+
+def test_a_membrane_is_held_against_all_markers_of_a_net(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fifth of the markers is 6 mm above a sheet at rest, the others lie on it: 6 mm / sqrt(5 axes 3) in all."""
+    problem = drape()
+    line = np.linspace(-100.0, 100.0, 7)
+    nodes = np.stack([*np.meshgrid(line, line, indexing="ij"), np.zeros((7, 7))], axis=2)
+    membrane = SimpleNamespace(names=("warp", "weft"), nodes=lambda *_: nodes)
+    monkeypatch.setattr(closing, "Forward", lambda *_: membrane)
+    flat = np.concatenate([one.flat for one in problem.files])
+    above = np.where(np.argsort(np.argsort(flat[:, 0])) >= 32, 6.0, 0.0)
+    net: Any = SimpleNamespace(
+        job=Job("close-loop", [], Console()), case=DrapeCase(material="f.json", mold=("m.stl",)), material=None,
+        sheet=SimpleNamespace(n=7, m=7),
+    )  # fmt: skip
+    finding: Any = SimpleNamespace(verdict="unexplained")
+    result: Any = SimpleNamespace(error=SimpleNamespace(after=SimpleNamespace(rms=6.0)))
+    found = closing.as_membrane(
+        net,
+        problem,
+        [Markers("m", flat, np.column_stack([flat, above]))],
+        finding,
+        result,
+    )
+    assert float(found[0].split("misses by ")[1].split()[0]) == pytest.approx(6.0 / np.sqrt(15.0), rel=1e-2)
 
 
 def test_a_sheet_stiffer_and_heavier_by_as_much_rests_as_before() -> None:

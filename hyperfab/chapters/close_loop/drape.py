@@ -128,7 +128,7 @@ def as_membrane(
     except HyperfabError:
         return []
     posed = drape_problem(replace(problem.draped, base=places), files)
-    rows = slice(posed.curves[posed.measured_files - 1].stop)
+    rows = slice(posed.curves[-1].start)  # the last is what is known of the constants
     given = np.array([one.value for one in posed.own])
     left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
     if left >= _COUPLED * result.error.after.rms:
