@@ -100,9 +100,7 @@ def earlier(
                 search.found(name, next(each)) if one.files([name]) else name for name in value
             )
     read = {search.beside(file.name): file.sha256 for file in provenance.inputs}
-    named = {
-        digest for known in hashes.values() for digest in (known if isinstance(known, list) else [known])
-    }
+    told = {digest for one in hashes.values() for digest in (one if isinstance(one, list) else [one])}
     far: dict[str, set[str]] = {}
     for file in provenance.inputs:
         bare = file.name == _base(file.name) and not os.path.isfile(search.beside(file.name))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import combinations
 from typing import ClassVar
 
@@ -15,7 +16,7 @@ from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue.drape import DataContext, entries
 from hyperfab.loop.emulator import Axis
 from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.kriging import Kriged
+from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.problem import Constant, Curve, Extra, Problem
 from hyperfab.loop.scatter import patches
 
@@ -46,7 +47,8 @@ class Draped:
     the effects. A sheet that is stiffer throughout, and heavier by as much, rests as before: settings are brought to a
     sheet as stiff as the model's own, ``carried`` being the shear modulus [MPa] and mass [g/m^2] that has (None where
     it has what does not scale so: a holder, a measured law of shear). ``round``: the sheet is the ellipse within
-    ``size``.
+    ``size``. ``finer``: further runs on the model's own grid, settings and nodes: what they are off the emulated ones
+    by fades away from them, and is nothing at the base.
     """
 
     kriged: Kriged
@@ -57,6 +59,7 @@ class Draped:
     scales: tuple[bool, ...]
     carried: tuple[float, float] | None
     round: bool = False
+    finer: tuple[tuple[Array, Array], ...] = ()
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -71,8 +74,17 @@ class Draped:
 
     def shift(self, settings: Array) -> Array:
         """Return the nodes' shift (n, m, 3) on the emulated grid."""
-        at_base = np.array([axis.base for axis in self.kriged.axes])
-        return (self.kriged(settings) - self.kriged(at_base)).reshape(*self.grid, 3)
+        return (self.kriged(settings) - self.kriged(self._at_base)).reshape(*self.grid, 3)
+
+    @property
+    def _at_base(self) -> Array:
+        return np.array([axis.base for axis in self.kriged.axes])
+
+    @cached_property
+    def near(self) -> Kriged:
+        """How near settings are to those of each further run: 1 there (t,), 0 at the base and at the others."""
+        sites = np.stack([self._at_base, *(one for one, _ in self.finer)])
+        return krige(self.kriged.axes, sites, np.eye(len(sites))[:, 1:])
 
 
 @dataclass
@@ -89,13 +101,22 @@ class DrapeProblem(Problem):
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""
         own = np.asarray(own, dtype=np.float64)
-        shift = self.draped.shift(settings_of(self.draped, own, self.amounts(terms))).reshape(-1, 3)
-        found = [
-            (base + weights @ shift).T.ravel()
-            for base, weights in zip(self.base_at, self.weights, strict=True)
-        ]
+        found = self.at(own, self.amounts(terms))
         found.insert(self.measured_files, known(self.priors, own))
         return np.concatenate(found)
+
+    def at(self, own: Array, amounts: Mapping[str, float]) -> list[Array]:
+        """Return x, y, z of the markers of each file, for constants and what effects add to the settings."""
+        settings = settings_of(self.draped, own, amounts)
+        shift = self.draped.shift(settings).reshape(-1, 3)
+        shares = np.append(1.0, self.draped.near(settings) if self.draped.finer else [])
+        pairs = zip(self.base_at, self.weights, strict=True)
+        return [(np.tensordot(shares, base, 1) + weights @ shift).T.ravel() for base, weights in pairs]
+
+    def on(self, draped: Draped) -> DrapeProblem:
+        """Return the problem on a sheet that is known better."""
+        pairs = [at_markers(draped, one.flat) for one in self.files]
+        return replace(self, draped=draped, base_at=tuple(base for base, _ in pairs))
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be marked next: all of the sheet, the rim's surroundings, the top."""
@@ -146,16 +167,26 @@ def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Arr
 
 
 def at_markers(draped: Draped, flat: Array) -> tuple[Array, Array]:
-    """Return where the model has markers (m, 3), and the weights (m, n m) of the emulated nodes there."""
+    """Return where the model has markers, and what each finer run is off there (1 + t, m, 3), and the weights (m, n m)
+    of the emulated nodes there."""
     if draped.round:
         half = 0.5 * np.array(draped.size)
         flat = half * np.stack(squared(*(flat / half).T), axis=1)
-    base = np.stack([_spline(draped.base[:, :, k], draped.size)(flat[:, 0], flat[:, 1], grid=False)
-                     for k in range(3)], axis=1)  # fmt: skip
     n, m = draped.grid
-    return base, np.stack([
+    weights = np.stack([
         np.outer(_lagrange(x, n, draped.size[0]), _lagrange(y, m, draped.size[1])).ravel() for x, y in flat
     ])  # fmt: skip
+    base = _between(draped.base, draped.size, flat)
+    off = [
+        _between(nodes, draped.size, flat) - base - weights @ draped.shift(settings).reshape(-1, 3)
+        for settings, nodes in draped.finer
+    ]
+    return np.stack([base, *off]), weights
+
+
+def _between(nodes: Array, size: tuple[float, float], flat: Array) -> Array:
+    """Return where a sheet of nodes (n, m, 3) is at places (k, 2) of the flat one."""
+    return np.stack([_spline(nodes[:, :, k], size)(*flat.T, grid=False) for k in range(3)], axis=1)
 
 
 def _spline(values: Array, size: tuple[float, float]) -> RectBivariateSpline:

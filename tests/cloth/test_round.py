@@ -204,9 +204,9 @@ def test_no_node_and_no_side_is_inside_a_mold(name):
 def test_markers_on_a_disc_are_found_where_they_lie():
     sheet = disc(41, 41, IsotropicSheet(RUBBER))
     coarse = disc(21, 21, IsotropicSheet(RUBBER)).flat().reshape(-1, 3)
-    draped: Any = SimpleNamespace(base=sheet.flat(), grid=(21, 21), size=sheet.size, round=True)
+    draped: Any = SimpleNamespace(base=sheet.flat(), grid=(21, 21), size=sheet.size, round=True, finer=())
     radius, angle = np.sqrt(np.random.default_rng(2).uniform(0, 1, 60)) * 97.0, np.linspace(0, 6, 60)
     flat = np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=1)
-    base, weights = at_markers(draped, flat)
+    (base,), weights = at_markers(draped, flat)
     assert np.abs(base[:, :2] - flat).max() < 1e-2
     assert np.abs((weights @ coarse)[:, :2] - flat).max() < 5e-2

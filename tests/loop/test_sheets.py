@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,7 +17,7 @@ from hyperfab.chapters.close_loop.words import another_unit, delivered_of, stran
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
-from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
 from hyperfab.loop.engine import close
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
@@ -87,6 +88,22 @@ def test_a_membrane_is_held_against_all_markers_of_a_net(monkeypatch: pytest.Mon
         result,
     )
     assert float(found[0].split("misses by ")[1].split()[0]) == pytest.approx(6.0 / np.sqrt(15.0), rel=1e-2)
+
+
+def test_a_finer_run_is_met_where_it_was_run_and_changes_nothing_where_no_effect_is() -> None:
+    problem = drape()
+    own, more = np.array([1.1, 0.95, 0.02]), np.array([1.0, 1.0, 0.0])
+    form = problem.effect("pretension").forms[0]
+    terms = {"pretension": (form.name, np.array([0.1]))}
+    settings = settings_of(problem.draped, own, problem.amounts(terms))
+    line = np.linspace(-100.0, 100.0, 21)
+    nodes = np.stack([*np.meshgrid(line, line, indexing="ij"), np.zeros((21, 21))], axis=2)
+    finer = problem.on(replace(problem.draped, finer=((settings, nodes),)))
+    there = np.concatenate([np.append(one.flat.T.ravel(), np.zeros(len(one.flat))) for one in problem.files])
+    assert np.allclose(finer.predict(own, terms)[: len(there)], there, atol=1e-3)
+    assert np.allclose(finer.predict(more, {}), problem.predict(more, {}), rtol=0.0, atol=1e-5)
+    extra = finer.extras()[0].problem
+    assert len(extra.measured) > len(problem.measured)
 
 
 def test_a_sheet_stiffer_and_heavier_by_as_much_rests_as_before() -> None:

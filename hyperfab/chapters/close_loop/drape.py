@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
@@ -36,7 +36,7 @@ from hyperfab.io.layout import Layout
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places, reached, settings_of
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.kriging import krige
+from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud
@@ -189,8 +189,13 @@ class Forward:
         self.grid = max(round((n - 1) * share) + 1, 5), max(round((m - 1) * share) + 1, 5)
 
     def model(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Model:
-        """Return the model with relative constants of the laws, in the order of ``names``, and added effects."""
+        """Return the model with relative constants of the laws, in the order of ``names``, and added effects.
+
+        On a grid that is asked for it takes the load steps that the command does, else few.
+        """
         case = replace(drape_applied(self.case, added), grid=grid or self.grid, load_steps=None)
+        if case.has_friction:
+            case = replace(case, load_steps=(self.case.load_steps or LOAD_STEPS) if grid else _STEPS)
         ratios = {name: float(ratio) for name, ratio in zip(self.names, law, strict=True)}
         files = self.files
         if self.material is not None and any(v != 1.0 for v in ratios.values()):
@@ -213,8 +218,8 @@ class Forward:
         """Return the equilibrium of a model at its depth; NotConverged where there is none."""
         rise = model.case.wanted[-1]
         try:
-            if model.case.has_friction:
-                heights = load_steps([rise], _STEPS)
+            if model.case.load_steps is not None:
+                heights = load_steps([rise], model.case.load_steps)
                 path = follow(model.sheet, model.mold, heights, model.case.friction, _TOLERANCE, enough=_NEAR)
                 rest = list(path)[-1]
                 found, there = rest.found, bool(np.isclose(rest.height, rise))
@@ -229,17 +234,40 @@ class Forward:
     def corrected(self, problem: Problem, found: Finding) -> Problem | None:
         """Return the problem with runs at and around what was found, where the nodes rest elsewhere than thought."""
         assert isinstance(problem, DrapeProblem)
-        draped, fit = problem.draped, found.after.fit
-        kriged = draped.kriged
-        settings = settings_of(draped, np.asarray(fit.x[: fit.own]), problem.amounts(fit.terms))
+        draped, fit, sd = problem.draped, found.after.fit, found.noise.sd
+        own, amounts = np.asarray(fit.x[: fit.own]), problem.amounts(fit.terms)
+        settings = settings_of(draped, own, amounts)
+
+        def is_off(gone: Array) -> bool:
+            return float(np.sqrt(np.mean((gone / sd[: len(gone)]) ** 2))) >= _OFF
+
+        better = problem
         try:
-            true = self.at(kriged.axes, settings)
+            true = self.at(draped.kriged.axes, settings)
+            off = (true - draped.kriged(settings)).reshape(-1, 3)
+            if is_off(np.concatenate([(w @ off).T.ravel() for w in problem.weights])):
+                better = problem.on(replace(draped, kriged=self._beside(draped.kriged, settings, true)))
+            # The loop's own grid and load steps are coarser than those of the model that is written.
+            there = self._finer(draped, settings)
+            finest = problem.on(replace(better.draped, finer=(*draped.finer, there)))
+            if is_off(np.concatenate(finest.at(own, amounts)) - np.concatenate(better.at(own, amounts))):
+                better = finest
+                # By how much is no straight line in what was added: half of it too.
+                half = 0.5 * (settings + [axis.base for axis in draped.kriged.axes])
+                better = problem.on(
+                    replace(finest.draped, finer=(*finest.draped.finer, self._finer(draped, half)))
+                )
         except NotConverged:
-            return None
-        off = (true - kriged(settings)).reshape(-1, 3)
-        rows = np.concatenate([(w @ off).T.ravel() for w in problem.weights])
-        if float(np.sqrt(np.mean((rows / found.noise.sd[: len(rows)]) ** 2))) < _OFF:
-            return None
+            pass
+        return None if better is problem else better
+
+    def _finer(self, draped: Draped, settings: Array) -> tuple[Array, Array]:
+        """Return settings and the nodes (n, m, 3) there on the document's own grid."""
+        nodes = self.at(draped.kriged.axes, settings, (self.sheet.n, self.sheet.m))
+        return settings, nodes.reshape(self.sheet.n, self.sheet.m, 3)
+
+    def _beside(self, kriged: Kriged, settings: Array, true: Array) -> Kriged:
+        """Return what is emulated with runs at ``settings``, where the nodes are ``true``, and beside them."""
         places, values = [settings], [true]
         for index, axis in enumerate(kriged.axes):
             beside = settings.copy()
@@ -251,15 +279,13 @@ class Forward:
             except NotConverged:
                 continue
             places.append(beside)
-        return replace(
-            problem, draped=replace(draped, kriged=kriged.with_runs(np.stack(places), np.stack(values)))
-        )
+        return kriged.with_runs(np.stack(places), np.stack(values))
 
-    def at(self, axes: Sequence[Setting], settings: Array) -> Array:
+    def at(self, axes: Sequence[Setting], settings: Array, grid: tuple[int, int] | None = None) -> Array:
         """Return the nodes (3 n m,) at settings of the axes: those of the laws' constants stand first."""
         count = len(self.names)
         added = {axis.name: float(v) for axis, v in zip(axes[count:], settings[count:], strict=True)}
-        return self.nodes(settings[:count], added).ravel()
+        return self.nodes(settings[:count], added, grid).ravel()
 
 
 def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
@@ -294,7 +320,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
         finally:
             tick((count + 1) / len(plan))
     axes = [reached(axis, np.array(settings)[:, i]) for i, axis in enumerate(axes)]
-    if max(sheet.n, sheet.m) > _NODES:
+    if max(sheet.n, sheet.m) > _NODES or model.case.has_friction:
         model = forward.model(plain, {}, (sheet.n, sheet.m))
         rest = forward.rest(model)
     told = answers(model.sheet, raised(model.mold, model.case.wanted[-1]), rest)

@@ -18,7 +18,7 @@ from hyperfab.chapters.uncertainty.changed import Changed
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.drape import DEPTH_SD, DrapeProblem, Markers, at_markers, settings_of
+from hyperfab.loop.drape import DEPTH_SD, DrapeProblem, Markers, at_markers
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.upstream import Readings
 
@@ -96,10 +96,7 @@ class DrapeChain:
         return own, by
 
     def _at(self, own: Array, amounts: dict[str, float]) -> Array:
-        problem = self.problem
-        shift = problem.draped.shift(settings_of(problem.draped, own, amounts)).reshape(-1, 3)
-        pairs = zip(problem.base_at, problem.weights, strict=True)
-        return np.concatenate([(base + weights @ shift).T.ravel() for base, weights in pairs])
+        return np.concatenate(self.problem.at(own, amounts)[: self.problem.measured_files])
 
     def corrected(self, link: Link, change: Array) -> Corrected:
         """Return the drape with a chapter's constants changed."""
@@ -119,8 +116,8 @@ class DrapeChain:
         own, amounts = self._moved(numbers, change)
         draped, sheet = self.problem.draped, self.forward.sheet
         nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
-        there = replace(draped, base=nodes)
-        return np.concatenate([at_markers(there, one.flat)[0].T.ravel() for one in readings])
+        there = replace(draped, base=nodes, finer=())
+        return np.concatenate([at_markers(there, one.flat)[0][0].T.ravel() for one in readings])
 
 
 def tracing(
