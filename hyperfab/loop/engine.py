@@ -131,14 +131,12 @@ def close(
         return once_more(scatter)
     kept, against = undoubted(search, best)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
-    if (
-        again
-        and not (kept.ids and explains(before, kept))
-        and (scatter := scatter_of_one_cloth(search, kept, best))
-    ):
-        found = once_more(scatter)
-        still = tuple(name for name in doubted if name not in found.after.ids)
-        return replace(found, assumed=scatter, doubted=tuple(dict.fromkeys((*still, *found.doubted))))
+    if again and not (kept.ids and explains(before, kept)):
+        scatter = scatter_of_one_cloth(search, kept, best)
+        found = once_more(scatter) if scatter else None
+        if found and (found.verdict != "unexplained" or len(found.after.ids) > len(kept.ids)):
+            still = tuple(name for name in doubted if name not in found.after.ids)
+            return replace(found, assumed=scatter, doubted=tuple(dict.fromkeys((*still, *found.doubted))))
     odds |= against
     if not kept.ids:
         verdict, assumed = without_names(search, before, bool(doubted))
