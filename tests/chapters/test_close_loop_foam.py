@@ -124,6 +124,23 @@ def test_the_written_foam_answers_as_the_loop_foretold(richer: tuple[Path, dict,
     assert json.loads((folder / "press.json").read_text())["force_N"] > 0.0
 
 
+def test_a_volumetric_test_is_left_out(hf: Run, tmp_path: Path) -> None:
+    """The fit of a foam takes it, the loop knows no way that a specimen is led in it."""
+    (tmp_path / "v.csv").write_text(
+        "# test: volumetric\nvolume ratio,stress [MPa]\n0.9,-0.01\n0.8,-0.02\n0.7,-0.04\n"
+    )
+    stretch = np.linspace(0.95, 0.6, 12)
+    rows = "".join(f"{l:.6f},{s:.8f}\n" for l, s in zip(stretch, pushed(stretch, np.ones(12)), strict=True))
+    (tmp_path / "c.csv").write_text(f"# test: confined-compression\nstretch,stress [MPa]\n{rows}")
+    model = {"format": "hyperfab.material/1", "model": "hyperfoam-1", "parameters": GIVEN}
+    (tmp_path / "m.json").write_text(json.dumps(model))
+    done = hf("close-loop", "m.json", "v.csv", cwd=tmp_path)
+    assert done.returncode == 3, done.stderr.decode()
+    done = hf("close-loop", "m.json", "c.csv", "v.csv", cwd=tmp_path)
+    assert done.returncode in (0, 1), done.stderr.decode()
+    assert "v.csv is left out: the model's law has no say in a volumetric test" in done.stderr.decode()
+
+
 @pytest.mark.slow
 def test_softening_with_heat_is_a_foam_at_each_temperature(hf: Run, tmp_path: Path) -> None:
     given = {"mu1_MPa": 0.03, "alpha1": 9.0, "nu1": 0.1, "mu2_MPa": 0.02, "alpha2": -1.5, "nu2": 0.3}

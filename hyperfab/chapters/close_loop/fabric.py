@@ -51,7 +51,9 @@ def run(job: Job, given: Given) -> int:
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
     thickness = None if document.thickness_nominal else document.thickness_mm
     foam = document.model in ORDERS
-    carries = OF_A_SHEET if document.directions else carried_by(document.model)
+    # Whatever a law carries, a volumetric test is no way that a specimen is led.
+    kinds = OF_A_SHEET if document.directions else carried_by(document.model)
+    carries = [kind for kind in kinds if kind in MODE_NAMES]
     tests, held_out = (
         read_measured(job, files, given.layout, thickness, before, given.how, carries) if files else None
         for files in (given.measured, given.case.held)
