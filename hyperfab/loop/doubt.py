@@ -67,10 +67,9 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     mean and terms are told from count no more (restricted likelihood: Patterson & Thompson 1971,
     doi:10.1093/biomet/58.3.545).
     """
-
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
     # Where none were, than one cloth does.
-    most = TOLD * search.noise.gain_doubt or (ONE_CLOTH if _none_alike(search) else np.inf)
+    most = TOLD * search.noise.gain_doubt or (np.inf if replicates(search.problem.curves) else ONE_CLOTH)
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
     def misfits(one: Candidate) -> tuple[Array, Array]:

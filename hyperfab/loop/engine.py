@@ -136,7 +136,8 @@ def close(
         found = once_more(scatter) if scatter else None
         if found and (found.verdict != "unexplained" or len(found.after.ids) > len(kept.ids)):
             still = tuple(name for name in doubted if name not in found.after.ids)
-            return replace(found, assumed=scatter, doubted=tuple(dict.fromkeys((*still, *found.doubted))))
+            every = tuple(dict.fromkeys((*still, *found.doubted)))
+            return replace(found, assumed=found.assumed or scatter, doubted=every)
     odds |= against
     if not kept.ids:
         verdict, assumed = without_names(search, before, bool(doubted))
