@@ -120,8 +120,7 @@ def cycles(stretch: Array, branch: Ints | None = None) -> Ints:
 def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None = None) -> Flags:
     """Return which rows are of the first way away from rest: as stated, else by the turns, up to the farthest stretch.
 
-    Where no row goes away from rest (a table written from its far end, a compression from its least stretch on), the
-    first way is taken as it is.
+    Where no row goes away from rest (a table written from its far end) the first way is taken as it is.
 
     >>> first_loading(np.array([1.0, 1.5, 1.1, 1.6, 2.0])).tolist()
     [True, True, False, False, False]
