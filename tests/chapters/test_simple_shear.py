@@ -133,6 +133,37 @@ def test_a_law_without_a_say_refuses_it(hf: Run, tmp_path: Path, model: str) -> 
     )
 
 
+def test_the_way_it_is_sheared_makes_no_difference(hf: Run, tmp_path: Path) -> None:
+    strain = np.linspace(0.05, 1.0, 20)
+    found = []
+    for sign in (1.0, -1.0):
+        write(tmp_path / "s.csv", sign * ogden(strain), sign * strain)
+        done = hf("fit", "s.csv", "--model", "ogden-1", cwd=tmp_path)
+        found.append(json.loads(done.stdout))
+    one, other = found
+    assert other["parameters"] == pytest.approx(one["parameters"], rel=1e-6)
+    assert other["tested"] == one["tested"]
+    assert one["tested"]["simple-shear"]["stretch"] == pytest.approx([1.0, 0.5 + np.sqrt(1.25)])
+    assert any("is taken as positive" in line for line in other["preparation"])
+
+
+def test_rows_behind_the_break_of_a_layer_are_left_out(hf: Run, tmp_path: Path) -> None:
+    strain = np.linspace(0.05, 1.0, 20)
+    write(tmp_path / "s.csv", np.append(ogden(strain), [0.002, 0.001]), np.append(strain, [1.01, 1.02]))
+    done = hf("fit", "s.csv", "--model", "ogden-1", cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert found["left_out"] == {"behind the break of the specimen": 2}
+    assert found["parameters"] == pytest.approx(OGDEN, rel=1e-4)
+
+
+def test_of_ends_as_far_on_both_sides_the_first_is_where_slack_ends(hf: Run, tmp_path: Path) -> None:
+    up = np.linspace(0.0, 0.8, 17)
+    strain = np.concatenate([up, up[-2::-1], -up[1:]])
+    write(tmp_path / "s.csv", ogden(strain), strain)
+    done = hf("fit", "s.csv", "--model", "ogden-1", "--preload", "0.05MPa", cwd=tmp_path)
+    assert json.loads(done.stdout)["left_out"]["slack, before the preload"] < 10
+
+
 def test_the_loop_finds_what_shear_shows(hf: Run, tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     strain = np.linspace(0.02, 1.2, 40)

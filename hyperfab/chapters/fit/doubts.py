@@ -11,6 +11,7 @@ import numpy as np
 from hyperfab.chapters.fit.identify import NOISY, Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
+from hyperfab.materials.modes import SIMPLE_SHEAR
 from hyperfab.numerics.hygiene import scatter
 from hyperfab.report.bands import determined
 
@@ -166,8 +167,9 @@ def _single_readings(part: Identified, curves: Sequence[TestCurve], setting: Set
     for one in outliers(part, curves, setting)[:SHOWN]:
         curve = one.curve
         line = f", line {curve.lines[one.row]}" if curve.lines is not None else ""
+        what = "shear strain" if curve.mode == SIMPLE_SHEAR else "stretch"
         found.append(
-            f"{curve.source}{line}: {curve.stress[one.row]:.4g} MPa at stretch {curve.stretch[one.row]:.4g} does not "
+            f"{curve.source}{line}: {curve.stress[one.row]:.4g} MPa at {what} {curve.stretch[one.row]:.4g} does not "
             f"belong to the other readings ({abs(one.studentised):.0f} of its standard deviations away); check the "
             "reading"
         )

@@ -15,7 +15,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
-from hyperfab.materials.modes import MODES
+from hyperfab.materials.modes import MODES, way
 from hyperfab.numerics.hygiene import branches, cycles
 
 #: What a preload may be stated as, and what an error shows.
@@ -129,7 +129,7 @@ def prepare(
 def whole(curve: TestData, left_out: Counter[str], named: str = "") -> TestData:
     """Return the curve up to the break of its specimen; what a machine records behind it is of its load cell alone."""
     count = len(curve.stretch)
-    end = broken(curve.stretch, curve.stress) if curve.mode in MODES else count
+    end = broken(curve.principal, curve.stress) if way(curve.mode) in MODES else count
     if end == count:
         return curve
     left_out[f"{named}behind the break of the specimen"] += count - end
@@ -146,13 +146,13 @@ def broken(stretch: Array, stress: Array) -> int:
     >>> broken(np.array([1.0, 1.5, 2.0, 1.5, 1.1]), np.array([0.0, 0.6, 1.0, 0.2, 0.0]))
     5
     """
-    size, way = np.abs(stress), np.abs(np.log(stretch))
+    size, away = np.abs(stress), np.abs(np.log(stretch))
     peak, count = float(size.max(initial=0.0)), len(stress)
     gone = 1 + int(np.flatnonzero(size > _GONE * peak)[-1]) if peak > 0.0 else count
     if gone == count:
         return count
     held = int(np.flatnonzero(size[:gone] >= _HELD * peak)[-1])
-    return held + 1 if way[gone] >= way[held] - _STILL * float(np.ptp(way)) else count
+    return held + 1 if away[gone] >= away[held] - _STILL * float(np.ptp(away)) else count
 
 
 def _select(
@@ -216,7 +216,8 @@ def _counted_from(curve: TestData, origin: float, origin2: float | None) -> Test
 def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> TestData:
     """Count the stretch from where the stress, pulling or pressing, passes the preload for good; lengths of the slack
     are no strain."""
-    peak = int(np.argmax(np.abs(np.log(curve.principal))))
+    # Of ends as far on both sides the first, whatever their last digits.
+    peak = int(np.argmax(np.round(np.abs(np.log(curve.principal)), 9)))
     stress = -curve.stress if curve.principal[peak] < 1.0 else curve.stress
     below = np.flatnonzero(stress[: peak + 1] < preload)
     start = int(below[-1]) + 1 if len(below) else 0
