@@ -186,7 +186,7 @@ def _span(low: float, high: float) -> str:
 def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:
     """Return the range of stretch and temperature of each kind of test, None where there is no curve.
 
-    In simple shear the stretch is the largest principal one.
+    In simple shear the stretch is the principal one along the load, below 1 where a test is sheared back.
 
     >>> curves = [TestCurve("shear", np.array([1.1, end]), np.zeros(2)) for end in (1.5, 1.4)]
     >>> tested_by(curves)["shear"].stretch

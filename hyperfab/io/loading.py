@@ -78,6 +78,8 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
         raise no_stretch(sheet, roles)
     stretch2 = reader.stretch(" 2")
     stress, membrane, sd = reader.stress("", stretch)
+    if stress is None and test == "simple-shear":
+        raise missing(sheet, roles, "a shear stress", '"shear stress [MPa]" or "force [N]"')
     if stress is None:
         raise no_stress(sheet, roles)
     second = roles.first(STRESSES, " 2")
