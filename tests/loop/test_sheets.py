@@ -241,3 +241,16 @@ def test_a_thermocouple_at_fault_is_told_from_the_others(
     )  # fmt: skip
     said = strange_probes(problem)
     assert [one.split()[0] for one in said] == (["c"] if told else [])
+
+
+def test_a_thermocouple_that_stays_cold_is_not_at_fault_for_its_noise() -> None:
+    warm = np.linspace(20.0, 200.0, 30)
+    curves = tuple(Curve(name, 30 * k, 30 * k + 30, warm) for k, name in enumerate(("a", "b", "c")))
+    cold = 20.0 + 0.001 * warm
+    given = np.concatenate([warm, warm, cold])
+    noise = 0.3 * np.random.default_rng(2).standard_normal(30)
+    problem: Any = SimpleNamespace(
+        states={"probe": given}, curves=curves, own=(), predict=lambda own, terms: given,
+        measured=np.concatenate([1.1 * warm, 1.05 * warm, cold + noise]),
+    )  # fmt: skip
+    assert strange_probes(problem) == []

@@ -133,7 +133,7 @@ def another_unit(problem: Problem) -> list[str]:
 def strange_probes(problem: Problem) -> list[str]:
     """Return which thermocouples move so much more or less beside the model than the others that they are at fault.
 
-    Of three or more: of two nobody knows which.
+    Of three or more: of two nobody knows which. Where the model has next to nothing a ratio is one of noise.
     """
     if "probe" not in problem.states or len(problem.curves) < 3:
         return []
@@ -147,7 +147,7 @@ def strange_probes(problem: Problem) -> list[str]:
         f"{curve.name} moves by {far:.3g} K, where the model as delivered does by {said:.3g} K, unlike the others: "
         "check its wiring, its unit and its place, or leave its column out"
         for curve, far, said, ratio in zip(problem.curves, *moved, beside, strict=True)
-        if not 1.0 / _OTHER_PROBE < ratio < _OTHER_PROBE
+        if said > _LITTLE * np.max(moved[1]) and not 1.0 / _OTHER_PROBE < ratio < _OTHER_PROBE
     ]
 
 
