@@ -149,7 +149,7 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
     unit = KINDS[kind].unit
     title = f"{column} [{unit if unit != '1' else '-'}]"
     perhaps = [
-        one.title
+        one.title.strip() or f"#{one.index + 1}"
         for one in sheet.headings
         if one.name not in columns
         and (one.unit is None or is_of(one.unit, kind))

@@ -158,3 +158,11 @@ def test_a_column_that_nothing_names_is_proposed_where_the_command_has_the_optio
     with pytest.raises(InputError, match="has no column time") as caught:
         read_table(data, "schedule.csv", {"time": "time"}, rest="temperature")
     assert "--columns" not in str(caught.value)
+
+
+def test_a_column_without_a_title_is_proposed_by_its_number() -> None:
+    data = b",T1 [degC]\n0,25\n60,31.5\n"
+    with pytest.raises(InputError, match=re.escape('--columns "#1=time [s]"')):
+        read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout())
+    table = read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["#1=time [s]"]))
+    assert table["time"].tolist() == [0.0, 60.0]
