@@ -140,6 +140,7 @@ def test_a_law_without_a_say_refuses_it(hf: Run, tmp_path: Path, model: str) -> 
     assert (
         "is a test in simple shear, which only isotropic laws that keep their volume" in done.stderr.decode()
     )
+    assert "or such a law: --model all" in done.stderr.decode()
 
 
 def test_the_way_it_is_sheared_makes_no_difference(hf: Run, tmp_path: Path) -> None:

@@ -141,13 +141,14 @@ def gather(
         if test.mode not in kinds:
             found.left_out[f"{test.mode}: only {_carriers(test.mode)} carry this test"] += len(test.stretch)
     if not carried:
+        sheared = bool(sheets) and sheets[0].mode == SIMPLE_SHEAR
+        other = "such a law: --model all" if sheared else f"a law of a foam: --model {next(iter(ORDERS))}"
         raise InputError(
             f"is a test in {sheets[0].mode.replace('-', ' ')}, which only {_carriers(sheets[0].mode)} carry"
             if sheets
             else "is a volumetric test alone",
             file=tests[0].source,
-            remedy="give uniaxial, shear or biaxial tests"
-            + (f", or a law of a foam: --model {next(iter(ORDERS))}" if sheets else ""),
+            remedy="give uniaxial, shear or biaxial tests" + (f", or {other}" if sheets else ""),
         )
     clusters = _temperatures(carried)
     split = [(mean, test.take(rows)) for test in carried for mean, rows in _by_temperature(test, clusters)]
