@@ -102,6 +102,11 @@ class Law(ABC):
     isotropic: bool = True
 
     @property
+    def carries_simple_shear(self) -> bool:
+        """Whether simple shear is planar tension to it but for a turn: it keeps its volume and is alike all round."""
+        return self.isotropic and not self.compressible
+
+    @property
     def names(self) -> tuple[str, ...]:
         """Names of all constants, in the order of the document."""
         return (*self.linear, *self.nonlinear)

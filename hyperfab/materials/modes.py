@@ -14,6 +14,8 @@ from hyperfab.materials.material import Material
 #: Modes with one stretch to say where a point lies.
 MODES = ("uniaxial", "shear", "biaxial")
 SIMPLE_SHEAR = "simple-shear"
+#: The tests that all laws of a sheet carry.
+OF_A_SHEET = (*MODES, "biaxial-general")
 
 
 def way(mode: str) -> str:

@@ -5,14 +5,16 @@ from __future__ import annotations
 import importlib
 import math
 import pkgutil
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 
 from hyperfab.errors import InputError, UsageError, near
 from hyperfab.materials import laws as _folder
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam, HyperfoamLaw
+from hyperfab.materials.hyperfoam import TESTS as FOAM_TESTS
 from hyperfab.materials.law import Law
 from hyperfab.materials.material import Material
+from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
 
 
 @cache
@@ -41,6 +43,18 @@ def law(name: str) -> Law:
         said = f"no model {name!r}; {hint} the models are {', '.join(known)}"
         raise UsageError(said.replace(";  ", "; "))
     return laws()[name]
+
+
+def carried_by(name: str) -> Sequence[str]:
+    """Return the kinds of tests that the law called ``name`` carries, or some law of ``all``.
+
+    >>> "simple-shear" in carried_by("ogden-1"), "simple-shear" in carried_by("blatz-ko")
+    (True, False)
+    """
+    if name in ORDERS:
+        return FOAM_TESTS
+    sheared = name == "all" or (name != "orthotropic" and law(name).carries_simple_shear)
+    return (*OF_A_SHEET, SIMPLE_SHEAR) if sheared else OF_A_SHEET
 
 
 def bind(name: str, parameters: Mapping[str, float], anisotropic: bool = False) -> Material:

@@ -16,7 +16,6 @@ from hyperfab.chapters.close_loop.readings import Apart, check_fixed
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.chapters.fabric import ORTHOTROPIC
-from hyperfab.chapters.fit.readings import carried_by
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
@@ -32,10 +31,10 @@ from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
-from hyperfab.materials.effects.path import MODE_NAMES, OF_A_SHEET
+from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.hyperfoam import ORDERS
-from hyperfab.materials.modes import SIMPLE_SHEAR
-from hyperfab.materials.registry import law_of, stiffness_at_rest
+from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
+from hyperfab.materials.registry import carried_by, law_of, stiffness_at_rest
 
 #: Work of a usual run, in refits, for the progress line.
 _REFITS = 60.0

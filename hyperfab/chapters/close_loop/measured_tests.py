@@ -23,7 +23,8 @@ from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
-from hyperfab.materials.effects.path import OF_A_SHEET, moving
+from hyperfab.materials.effects.path import moving
+from hyperfab.materials.modes import OF_A_SHEET
 from hyperfab.numerics.hygiene import look
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.

@@ -92,7 +92,7 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     reference = reference_of(temperatures)
     if not law.isotropic and (wrong := _misses_directions(used)):
         return wrong
-    if any(curve.mode == SIMPLE_SHEAR for curve in curves) and not carries_simple_shear(law):
+    if any(curve.mode == SIMPLE_SHEAR for curve in curves) and not law.carries_simple_shear:
         return "it carries no test in simple shear"
     rows = _rows(used, temperatures, setting, law)
     problem = Problem(law, rows)
@@ -293,11 +293,6 @@ def specimen_of(curve: TestCurve) -> tuple[str, str | None]:
 def kind_of(curve: TestCurve) -> tuple[str, str | None, float | None]:
     """Specimens of one test, direction and temperature are replicates."""
     return curve.mode, curve.direction_name, curve.temperature
-
-
-def carries_simple_shear(law: Law) -> bool:
-    """Whether simple shear is to ``law`` planar tension but for a turn: it keeps its volume and is alike all round."""
-    return law.isotropic and not law.compressible
 
 
 def _misses_directions(used: Sequence[TestCurve]) -> str | None:

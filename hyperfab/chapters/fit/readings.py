@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.identify import carries_simple_shear, near_zero
+from hyperfab.chapters.fit.identify import near_zero
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
@@ -20,12 +20,9 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
-from hyperfab.materials import law
-from hyperfab.materials.effects.path import OF_A_SHEET
 from hyperfab.materials.hyperfoam import ORDERS
-from hyperfab.materials.hyperfoam import TESTS as FOAM_TESTS
 from hyperfab.materials.identification.quality import Figures, figures
-from hyperfab.materials.modes import SIMPLE_SHEAR
+from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
 from hyperfab.numerics.hygiene import ZERO
 
 if TYPE_CHECKING:
@@ -178,14 +175,6 @@ def gather(
         )
     found.preparation += _contractions(found.curves)
     return found
-
-
-def carried_by(model: str) -> Sequence[str]:
-    """Return the kinds of tests that a law carries, or any law of ``all``."""
-    if model in ORDERS:
-        return FOAM_TESTS
-    sheared = model == "all" or (model != "orthotropic" and carries_simple_shear(law(model)))
-    return (*OF_A_SHEET, SIMPLE_SHEAR) if sheared else OF_A_SHEET
 
 
 def _carriers(mode: str) -> str:

@@ -12,7 +12,7 @@ from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
-from hyperfab.chapters.fit.readings import Readings, carried_by, gather, read_all
+from hyperfab.chapters.fit.readings import Readings, gather, read_all
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
@@ -29,6 +29,7 @@ from hyperfab.materials import law, laws
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.identification.quality import Figures
 from hyperfab.materials.law import Law
+from hyperfab.materials.registry import carried_by
 
 
 def run(job: Job, case: FitCase) -> int:

@@ -15,7 +15,6 @@ from hyperfab.numerics.hygiene import branches
 UNIAXIAL, SHEAR, BIAXIAL, GENERAL, CONFINED, SIMPLE_SHEAR = range(6)
 #: Their names; those of a sheet first, then those that the law of a foam alone carries.
 MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general", "confined-compression", "simple-shear")
-OF_A_SHEET = MODE_NAMES[: GENERAL + 1]
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
 _TURN = 0.02
