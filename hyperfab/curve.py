@@ -94,20 +94,16 @@ class TestCurve:
     def in_planar_tension(self) -> Self:
         """Return a test in simple shear as the planar tension that strains a body in the same way but for a turn.
 
-        True of a body without direction that keeps its volume, whose stress is then (1 + l^-2) times that of shear.
+        True of a body without direction that keeps its volume.
         """
-        strain_a_stretch = 1.0 + self.principal**-2.0
-
-        def over(value: Array | None, power: float) -> Any:
-            return None if value is None else value * strain_a_stretch**power
-
+        share = share_of_shear(self.principal)
         return replace(
             self,
             mode="shear",
             stretch=self.principal,
-            stress=over(self.stress, 1.0),
-            stress_sd=over(self.stress_sd, 1.0),
-            rate_1_s=over(self.rate_1_s, -1.0),
+            stress=self.stress / share,
+            stress_sd=None if self.stress_sd is None else self.stress_sd / share,
+            rate_1_s=None if self.rate_1_s is None else self.rate_1_s * share,
         )
 
     @property
@@ -136,6 +132,17 @@ def sheared(strain: Array) -> Array:
     array([2. , 0.5])
     """
     return np.asarray(np.exp(np.arcsinh(0.5 * strain)))
+
+
+def share_of_shear(stretch: Array) -> Array:
+    """Return the shear stress of simple shear over the nominal stress of planar tension at the same ``stretch`` l.
+
+    Both are slopes of one energy, along the strain l - 1/l and along l: 1/(1 + l^-2).
+
+    >>> share_of_shear(np.array([1.0, 2.0]))
+    array([0.5, 0.8])
+    """
+    return np.asarray(1.0 / (1.0 + stretch**-2))
 
 
 def angle_named(name: str | None) -> float | None:

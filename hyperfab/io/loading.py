@@ -52,6 +52,8 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
       biaxial tension of an incompressible sheet, since force and area share the direction; else ``membrane stress``
       or ``force`` / width (a disc's radial force: / (pi diameter)), in N/mm, divided by the thickness where it is
       known; else force / area.
+    - in simple shear: ``shear strain``, else ``extension`` / thickness of the layer; ``shear stress``, else ``force`` /
+      area that is sheared.
 
     Where it is told to be ``pressed``, or a column counts pushing as positive, signs are those of mechanics in what is
     returned.

@@ -36,7 +36,7 @@ def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, flo
         weakest = min(worth, key=lambda name: worth[name])
         if worth[weakest] >= MARGIN:
             break
-        odds[weakest] = float(np.exp(0.5 * min(worth[weakest] - MARGIN, 0.0)))
+        odds[weakest] = float(np.exp(0.5 * (worth[weakest] - MARGIN)))
         best = search.without(best, weakest)
     return best, odds
 
@@ -69,7 +69,7 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     """
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
     # Where none were, than one cloth does.
-    most = TOLD * search.noise.gain_doubt or (np.inf if replicates(search.problem.curves) else ONE_CLOTH)
+    most = TOLD * search.noise.gain_doubt or ONE_CLOTH
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
     def misfits(one: Candidate) -> tuple[Array, Array]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.curve import sheared
+from hyperfab.curve import share_of_shear, sheared
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.material import Material
 
@@ -27,17 +27,6 @@ def way(mode: str) -> str:
     ('shear', 'biaxial')
     """
     return "shear" if mode == SIMPLE_SHEAR else mode
-
-
-def share_of_shear(stretch: Array) -> Array:
-    """Return the shear stress of simple shear over the nominal stress of planar tension at the same ``stretch`` l.
-
-    Both are slopes of one energy, along the strain l - 1/l and along l: 1/(1 + l^-2).
-
-    >>> share_of_shear(np.array([1.0, 2.0]))
-    array([0.5, 0.8])
-    """
-    return np.asarray(1.0 / (1.0 + stretch**-2))
 
 
 def second_stretch(mode: str, stretch: Array, contraction: Any = 0.5) -> Array:

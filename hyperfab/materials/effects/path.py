@@ -13,7 +13,7 @@ from hyperfab.numerics.hygiene import branches
 
 #: Codes of the deformation modes in ``Path.mode``.
 UNIAXIAL, SHEAR, BIAXIAL, GENERAL, CONFINED, SIMPLE_SHEAR = range(6)
-#: Their names; those of a sheet first, then those that the law of a foam alone carries.
+#: Their names; those of a sheet first, then those that the law of a foam alone is asked in.
 MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general", "confined-compression", "simple-shear")
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, share_of_shear
 from hyperfab.materials.kinematics import Array, Sheet
 from hyperfab.materials.law import Extent
-from hyperfab.materials.modes import SIMPLE_SHEAR, second_stretch, share_of_shear, way
+from hyperfab.materials.modes import SIMPLE_SHEAR, second_stretch, way
 
 
 @dataclass(frozen=True)
