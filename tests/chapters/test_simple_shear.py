@@ -174,6 +174,14 @@ def test_of_ends_as_far_on_both_sides_the_first_is_where_slack_ends(hf: Run, tmp
     assert json.loads(done.stdout)["left_out"]["slack, before the preload"] < 10
 
 
+def test_a_preload_of_a_sheared_layer_is_no_force_over_its_width(hf: Run, tmp_path: Path) -> None:
+    strain = np.linspace(0.0, 0.8, 17)
+    write(tmp_path / "s.csv", ogden(strain), strain)
+    done = hf("fit", "s.csv", "--width", "10mm", "--thickness", "1mm", "--preload", "0.5N", cwd=tmp_path)
+    assert done.returncode == 2
+    assert b"give it as a stress" in done.stderr
+
+
 def test_the_loop_finds_what_shear_shows(hf: Run, tmp_path: Path) -> None:
     random = np.random.default_rng(3)
     strain = np.linspace(0.02, 1.2, 40)

@@ -15,7 +15,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.units import quantity
-from hyperfab.materials.modes import MODES, way
+from hyperfab.materials.modes import MODES, SIMPLE_SHEAR, way
 from hyperfab.numerics.hygiene import branches, cycles
 
 #: What a preload may be stated as, and what an error shows.
@@ -63,6 +63,11 @@ def _preload_of(curve: TestData, preload: str) -> float:
     """Return the preload in the unit of a test's stress: MPa, or N/mm where no thickness is known."""
     value, kind = stated(preload)
     if kind == "force":
+        if curve.mode == SIMPLE_SHEAR:
+            raise UsageError(
+                f"--preload {preload}: a force is over the area that is sheared, not over the width of {curve.source}; "
+                f"give it as a stress, 0.002MPa"
+            )
         if curve.width_mm is None:
             raise UsageError(
                 f"--preload {preload}: a force needs the width of the specimen, which {curve.source} "
