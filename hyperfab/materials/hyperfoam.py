@@ -18,6 +18,7 @@ from hyperfab.arrays import Array
 from hyperfab.materials.kinematics import Sheet
 from hyperfab.materials.law import Law
 from hyperfab.materials.term import Term, Value
+from hyperfab.numerics.kernels import kernel
 
 #: The models by name, and their number of terms.
 ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}
@@ -54,6 +55,11 @@ class Hyperfoam:
         """``nu / (1 - 2 nu)`` of each term."""
         nu = np.asarray(self.nu)
         return np.asarray(nu / (1.0 - 2.0 * nu))
+
+    @property
+    def arrays(self) -> tuple[Array, Array, Array]:
+        """``mu``, ``alpha`` and ``beta``, each (terms,)."""
+        return np.array(self.mu), np.array(self.alpha), self.beta
 
     @property
     def bulk_modulus(self) -> float:
@@ -128,7 +134,10 @@ class Hyperfoam:
 
     def first(self, e: Array) -> Array:
         """Return dW/de (n, 3) at logarithmic strains ``e`` (n, 3)."""
-        return np.asarray(sum(mu * part for mu, part in zip(self.mu, self._parts(e), strict=True)))
+        E, found = e.sum(axis=1)[:, None], np.zeros_like(e)
+        for mu, alpha, beta in zip(self.mu, self.alpha, self.beta, strict=True):
+            found += 2.0 * mu / alpha * (np.expm1(alpha * e) - np.expm1(-alpha * beta * E))
+        return found
 
     def second(self, e: Array) -> Array:
         """Return d2W/de2 (n, 3, 3); the law is stable where it is positive definite (Hill)."""
@@ -151,17 +160,6 @@ class Hyperfoam:
             2.0 * (np.expm1(alpha * e) - np.expm1(-alpha * beta * E)) / alpha
             for alpha, beta in zip(self.alpha, self.beta, strict=True)
         ]
-
-    def by_constants(self, e: Array) -> Array:
-        """Return the derivatives of ``first`` by mu, alpha and nu of all terms, in this order (n, 3, 3 terms)."""
-        E = e.sum(axis=1)[:, None]
-        columns = self._parts(e)
-        turns, ratios = [], []
-        for mu, alpha, beta, part in zip(self.mu, self.alpha, self.beta, columns, strict=True):
-            volume = np.exp(-alpha * beta * E)
-            turns.append(mu * (2.0 * (e * np.exp(alpha * e) + beta * E * volume) - part) / alpha)
-            ratios.append(2.0 * mu * E * volume * (1.0 + 2.0 * beta) ** 2 * np.ones((1, 3)))
-        return np.stack([*columns, *turns, *ratios], axis=2)
 
 
 class HyperfoamLaw(Law):
@@ -237,20 +235,9 @@ class Rows:
         nu = float(weight @ np.asarray(law.nu) / weight.sum())
         # At rest exact; of one term the answer.
         t = -nu * self.e.sum(axis=1) / (1.0 - nu * (2.0 - self.free.sum()))
-        # All free sides are alike: one force and its slope, not those of three axes.
-        E, many = self.e.sum(axis=1), self.free.sum()
-        mu, alpha, beta = (np.asarray(one)[:, None] for one in (law.mu, law.alpha, law.beta))
-        for _ in range(_STEPS):
-            side, volume = np.expm1(alpha * t), np.expm1(-alpha * beta * (E + many * t))
-            force = (mu / alpha * (side - volume)).sum(axis=0)
-            slope = (mu * (1.0 + side + many * beta * (1.0 + volume))).sum(axis=0)
-            step = np.clip(-force / slope, -_STEP, _STEP)
-            step[np.isnan(step)] = 0.0
-            t = t + step
-            if np.abs(step).max() < 1e-14:
-                break
-        last = np.abs(step) < 1e-9
-        return np.asarray(self.e + np.where(last & (slope > 0.0), t, np.nan)[:, None] * self.free)
+        found = self.e.copy()
+        _free_strains(found, self.free, np.asarray(t), *law.arrays)
+        return found
 
     def stress(self, law: Hyperfoam, e: Array) -> Array:
         """Return the stress (n,) [MPa] at strains ``e``."""
@@ -258,11 +245,77 @@ class Rows:
 
     def slopes(self, law: Hyperfoam, e: Array) -> tuple[Array, Array]:
         """Return the derivatives of the stress and of the free strain by the constants (n, 3 terms)."""
-        change = law.by_constants(e)
-        moved = np.zeros((len(e), change.shape[2]))
-        if self.free.any():
-            D = law.second(e)
-            stiff = np.einsum("i,nij,j->n", self.free, D, self.free)
-            moved = -np.einsum("i,nik->nk", self.free, change) / stiff[:, None]
-            change = change + np.einsum("nij,j,nk->nik", D, self.free, moved)
-        return np.einsum("i,nik->nk", self.along, change) / self.lever[:, None], moved
+        change = np.empty((len(e), 3 * len(law.mu)))
+        moved = np.zeros_like(change)
+        _slopes(e, self.free, self.along, self.lever, *law.arrays, change, moved)
+        return change, moved
+
+
+@kernel
+def _free_strains(e: Array, free: Array, start: Array, mu: Array, alpha: Array, beta: Array) -> None:
+    """Write the strain of the free sides into ``e`` (n, 3), by Newton's method from ``start`` (n,); nan where there is
+    none."""
+    many = free.sum()
+    for i in range(len(e)):
+        E, t, slope, step = e[i].sum(), start[i], 0.0, 0.0
+        for _ in range(_STEPS):
+            # All free sides are alike: one force and its slope, not those of three axes.
+            force = slope = 0.0
+            for k in range(len(mu)):
+                side, volume = np.expm1(alpha[k] * t), np.expm1(-alpha[k] * beta[k] * (E + many * t))
+                force += mu[k] / alpha[k] * (side - volume)
+                slope += mu[k] * (1.0 + side + many * beta[k] * (1.0 + volume))
+            step = -force / slope
+            step = 0.0 if np.isnan(step) else min(max(step, -_STEP), _STEP)
+            t += step
+            if abs(step) < 1e-14:
+                break
+        if not (abs(step) < 1e-9 and slope > 0.0):
+            t = np.nan
+        for a in range(3):
+            if free[a] > 0.0:
+                e[i, a] += t
+
+
+@kernel
+def _slopes(
+    e: Array,
+    free: Array,
+    along: Array,
+    lever: Array,
+    mu: Array,
+    alpha: Array,
+    beta: Array,
+    change: Array,
+    moved: Array,
+) -> None:
+    """Write the derivatives of the stress and of the free strain by mu, alpha and nu of all terms, in this order
+    (n, 3 terms), the free sides giving way."""
+    terms = len(mu)
+    pull, across = np.empty(3 * terms), np.empty(3 * terms)
+    for i in range(len(e)):
+        E = e[i].sum()
+        # How the pull, and what is on the free sides, change as these move; of a pull and of a free side by constants.
+        carried = stiff = 0.0
+        pull[:] = 0.0
+        across[:] = 0.0
+        for k in range(terms):
+            a, volume = alpha[k], np.exp(-alpha[k] * beta[k] * E)
+            ratio = 2.0 * mu[k] * E * volume * (1.0 + 2.0 * beta[k]) ** 2
+            for j in range(3):
+                side = np.exp(a * e[i, j])
+                part = 2.0 * (np.expm1(a * e[i, j]) - np.expm1(-a * beta[k] * E)) / a
+                turn = mu[k] * (2.0 * (e[i, j] * side + beta[k] * E * volume) - part) / a
+                pull[k] += along[j] * part
+                pull[terms + k] += along[j] * turn
+                pull[2 * terms + k] += along[j] * ratio
+                across[k] += free[j] * part
+                across[terms + k] += free[j] * turn
+                across[2 * terms + k] += free[j] * ratio
+                bulk = free.sum() * beta[k] * volume
+                carried += 2.0 * mu[k] * along[j] * (free[j] * side + bulk)
+                stiff += 2.0 * mu[k] * free[j] * (free[j] * side + bulk)
+        for c in range(3 * terms):
+            if stiff != 0.0:
+                moved[i, c] = -across[c] / stiff
+            change[i, c] = (pull[c] + carried * moved[i, c]) / lever[i]

@@ -276,7 +276,7 @@ class Fabric:
         needs_energy: bool,
     ) -> tuple[Array, Array]:
         if isinstance(self.law, HyperfoamLaw):
-            return self._of_foam(constants, terms, stretches)[:2]
+            return self._of_foam(constants, terms, stretches, needs_energy)[:2]
         given = dict(zip(self.law.names, map(float, constants), strict=True))
         if self.law.nonlinear and self.law.refusal(given) is not None:
             nowhere = np.full_like(stretches[0], np.nan)
@@ -296,35 +296,43 @@ class Fabric:
         return stress, energies @ weights if energies is not None else np.zeros_like(stress)
 
     def _of_foam(
-        self, constants: Array, terms: Terms, stretches: tuple[Array, Array]
+        self, constants: Array, terms: Terms, stretches: tuple[Array, Array], needs_energy: bool = False
     ) -> tuple[Array, Array, Array]:
-        """Return stress, energy and stretch across of a foam: its free sides ask for all constants together."""
+        """Return stress, energy (0 unless needed) and stretch across of a foam: its free sides ask for all constants
+        together."""
         form, values = terms.get("elastic-law", ("", np.empty(0)))
-        key = (tuple(constants), form, tuple(values), *(one.tobytes() for one in stretches))
+        key = (needs_energy, tuple(constants), form, tuple(values), *(one.tobytes() for one in stretches))
         if key not in self._foams:
             if len(self._foams) >= _KEPT:
                 self._foams.pop(next(iter(self._foams)))
             names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
             given = dict(zip(names, map(float, (*constants, *values)), strict=True))
-            self._foams[key] = self._answer_of_foam(given, stretches)
+            self._foams[key] = self._answer_of_foam(given, stretches, needs_energy)
             self._foams[key].setflags(write=False)
         stress, energy, across = self._foams[key]
         return stress, energy, across
 
-    def _answer_of_foam(self, constants: Mapping[str, float], stretches: tuple[Array, Array]) -> Array:
+    @cached_property
+    def _of_each_mode(self) -> list[tuple[int, NDArray[np.bool_]]]:
+        return [(int(mode), self.path.mode == mode) for mode in np.unique(self.path.mode)]
+
+    def _answer_of_foam(
+        self, constants: Mapping[str, float], stretches: tuple[Array, Array], needs_energy: bool
+    ) -> Array:
         found = np.full((3, len(stretches[0])), np.nan)
-        if self.law.refusal(constants) is not None:
+        try:
+            law = Hyperfoam.of(constants)
+        except ValueError:
             return found
-        law = Hyperfoam.of(constants)
-        for mode in np.unique(self.path.mode):
-            at = self.path.mode == mode
+        for mode, at in self._of_each_mode:
             stretch, side = (one[at] for one in stretches)
             rows = Rows.of(
                 MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side
             )
             with np.errstate(all="ignore"):
                 e = rows.strain(law)
-                found[:, at] = rows.stress(law, e), law.energy(e), np.exp(e[:, 2])
+                energy = law.energy(e) if needs_energy else np.zeros(len(e))
+                found[:, at] = rows.stress(law, e), energy, np.exp(e[:, 2])
         return found
 
     def _basis(
