@@ -62,6 +62,10 @@ class ContactCase(Case):
         "compliance", "MM2/N", "The rim creeps inward by this times the tension, as 0.5mm^2/N.", "0mm^2/N",
         example="0.5mm^2/N", least=0.0, most=1e4,
     )  # fmt: skip
+    frame_stiffness: float | None = amount(
+        "stiffness", "STIFFNESS", "The machine yields: --depth is as it reads, the punch less deep by force over this.",
+        example="50N/mm", above=0.0,
+    )  # fmt: skip
     friction: float | str = setting(
         OrName(Amount("dimensionless", "0.3, a coefficient", least=0.0, most=2.0), (STICK,)), "MU",
         "Coulomb coefficient, or stick.", "0", key="friction_coefficient",
@@ -86,6 +90,11 @@ class ContactCase(Case):
     )  # fmt: skip
     uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
+
+    @property
+    def yields(self) -> float:
+        """What the machine yields by [mm/N]."""
+        return 1.0 / self.frame_stiffness if self.frame_stiffness else 0.0
 
     def check(self) -> None:
         """Refuse what means nothing together."""

@@ -27,6 +27,9 @@ class SetupPart(Part):
     rim_slip_mm2_N: float | None = optional(
         "slip of the rim in mm for each N/mm of tension; absent where it is held"
     )
+    frame_stiffness_N_mm: float | None = optional(
+        "of the machine that reads the depth: the punch is less deep by the force over this; absent where it is rigid"
+    )
     temperature_degC: float | None = optional("of the fabric, where known")
     constants_degC: float | None = optional(
         "temperature of the constants, where none are known at that of the fabric"
@@ -100,7 +103,8 @@ class ContactDocument(Computed):
     force_extrapolated_N: float | None = optional(
         "for load steps of length zero, where the force hangs on them (stick)"
     )
-    force_depth: list[tuple[float, float]] = Field(description="[depth_mm, force_N]")
+    force_depth: list[tuple[float, float]] = Field(description="[depth_mm, force_N], as the machine reads it")
+    punch_depth_mm: float | None = optional("of the punch in the sheet at last, where the machine yields")
     contact_radius_mm: float | None = optional("deformed; the mean around the sphere")
     contact_radius_undeformed_mm: float | None = None
     stretch_max: float | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,10 +19,13 @@ from hyperfab.materials.effects.thermal_softening import factor
 ZERO_SD = 0.1
 #: Readings of a file that are left out together, about.
 _SEGMENT = 15
-#: What effects add to, in the order of the emulator's last settings, and the pull up to which the clamp holds.
-ADDED = ("prestretch", "friction", "slip", "hold")
+#: What effects add to, in the order of the emulator's last settings, the pull up to which the clamp holds, and what the
+#: machine yields by.
+ADDED = ("prestretch", "friction", "slip", "hold", "frame")
 #: Rounds in which the slip past a hold and the pull settle on each other; stiffnesses a changing one is taken at.
 _ROUNDS, _STIFFNESSES = 8, 3
+#: Newton's steps to where the punch is, as moves of it [mm]: how small the last one is, and their number at most.
+_SETTLED, _STEPS = 1e-7, 60
 
 
 @dataclass(frozen=True)
@@ -51,7 +54,8 @@ class Sheet:
     ``correction`` (k,) is what finer meshes say of the force at the knots, over the emulated one. The law's constants
     are factors; those that are ``linear`` scale the whole force where they are alike, and the emulated settings are the
     ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding.
-    ``coefficient`` of friction and ``slip`` [mm per N/mm] are what the model has already.
+    ``coefficient`` of friction, ``slip`` [mm per N/mm] and ``frame`` [mm/N], by which the machine yields, are what the
+    model has already.
     """
 
     emulator: Emulator
@@ -63,26 +67,48 @@ class Sheet:
     friction: bool = True
     coefficient: float = 0.0
     slip: float = 0.0
+    frame: float = 0.0
 
     def force(self, own: Array, effects: Array, depth: Array, soft: Array | None = None) -> Array:
-        """Return the force (m,) [N] at ``depth`` (m,) for factors ``own`` (p,) and effects (4,): added prestretch,
-        friction and slip, and the pull [N/mm] up to which the clamp holds. ``soft`` (m,) scales the stiffness."""
-        inside = np.clip(depth, 0.0, None)
-        at = np.maximum(inside, self.knots[0] * 0.2)
-        soft = np.ones(len(at)) if soft is None else soft
+        """Return the force (m,) [N] at ``depth`` (m,), as the machine reads it, for factors ``own`` (p,) and effects
+        (5,): added prestretch, friction and slip, the pull [N/mm] up to which the clamp holds, and what the machine
+        yields by [mm/N]. ``soft`` (m,) scales the stiffness."""
+        read = np.clip(depth, 0.0, None)
+        resist = self.resistance(own, effects, np.ones(len(read)) if soft is None else soft)
+        frame = self.frame + effects[4]
+        if not frame:
+            return resist(read)
+        punch = read
+        for _ in range(_STEPS):
+            force = resist(punch)
+            slope = np.maximum((resist(punch + 1e-5) - force) / 1e-5, 0.0)
+            move = (punch + frame * force - read) / (1.0 + frame * slope)
+            punch = np.clip(punch - move, 0.0, read)
+            if np.max(np.abs(move)) < _SETTLED:
+                break
+        return resist(punch)
+
+    def resistance(self, own: Array, effects: Array, soft: Array) -> Callable[[Array], Array]:
+        """Return what tells the force (m,) [N] at depths (m,) of the punch in the sheet, none negative."""
         levels = np.unique(soft)
         if not (self.slip or effects[2]):
             # Without a clamp that gives, the force goes with the stiffness.
-            return np.asarray(inside * soft * self._spline(own, effects, 1.0)(at))
-        if len(levels) > _STIFFNESSES + 1:
+            levels = np.ones(1)
+        between = len(levels) > _STIFFNESSES + 1
+        if between:
             levels = np.linspace(levels[0], levels[-1], _STIFFNESSES)
-            found = np.stack([level * self._spline(own, effects, level)(at) for level in levels])
-            return np.asarray(inside * _parabola(levels, found, soft))
-        found = np.zeros(len(at))
-        for level in levels:
-            rows = soft == level
-            found[rows] = level * self._spline(own, effects, float(level))(at[rows])
-        return np.asarray(inside * found)
+        splines = [self._spline(own, effects, float(level)) for level in levels]
+
+        def force(depth: Array) -> Array:
+            at = np.maximum(depth, self.knots[0] * 0.2)
+            found = np.stack([level * spline(at) for level, spline in zip(levels, splines, strict=True)])
+            if len(levels) == 1:
+                return np.asarray(depth * (soft / levels[0]) * found[0])
+            if between:
+                return np.asarray(depth * _parabola(levels, found, soft))
+            return np.asarray(depth * found[np.searchsorted(levels, soft), np.arange(len(at))])
+
+        return force
 
     def scale(self, own: Array) -> float:
         """Return the factor of the whole force."""
@@ -152,7 +178,7 @@ class ContactProblem(Problem):
     rim_slip: float = field(default=0.0, kw_only=True)
 
     def added(self, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return the effects (4,) as ``Sheet.force`` takes them."""
+        """Return the effects (5,) as ``Sheet.force`` takes them."""
         amounts = self.amounts(terms)
         return np.array([amounts.get(name, 0.0) for name in ADDED])
 
@@ -242,13 +268,16 @@ def contact_problem(
     known_T = [one.temperature for one in files if one.temperature is not None]
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)
     axes = {axis.name: axis for axis in sheet.emulator.axes}
+    model = np.array([axis.base for axis in sheet.emulator.axes])
+    at_rest = sheet.emulator(model)
     context = DataContext(
         temperatures=tuple(float(v) for v in temperatures),
         reference_degC=reference_degC,
         prestretch=(axes["prestretch"].down, axes["prestretch"].up),
         friction=axes["friction"].up if sheet.friction else 0.0,
         slip=axes["slip"].up,
-        pull=float(sheet.emulator(np.array([axis.base for axis in sheet.emulator.axes]))[-1]),
+        pull=float(at_rest[-1]),
+        yields=1.0 / max(float(at_rest[len(sheet.knots) - 1]), 1e-12),
     )
     measured = np.concatenate([*(one.force for one in files), np.zeros(curves[-1].stop - row)])
     depth = np.concatenate([one.depth for one in files])

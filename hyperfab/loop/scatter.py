@@ -166,16 +166,25 @@ def _path(places: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def guess_of_curve(
-    values: Array, abscissa: Array, time_s: Array | None = None, level: Array | None = None
+    values: Array,
+    abscissa: Array,
+    time_s: Array | None = None,
+    level: Array | None = None,
+    state: Array | None = None,
 ) -> Guess:
     """Return the noise of readings (n,) along a smooth curve; ``level`` (n,) is their size where it is not their own.
 
-    Readings at one place of it, as where a press holds, are smooth in time where that is known.
+    Readings at one place of it, as where a press holds, are smooth in time where that is known. Those taken in turn at
+    a few levels of a ``state`` (n,), as of a temperature, lie on a curve for each: what that does is no noise.
     """
     source = "local differences"
     order = np.lexsort((abscissa if time_s is None else time_s, abscissa))
     level = values if level is None else level
-    parts = [(order, abscissa)]
+    groups = np.zeros(len(order)) if state is None else np.round(state[order])
+    levels = np.unique(groups)
+    if len(order) < FEWEST * len(levels):
+        levels, groups = np.zeros(1), np.zeros(len(order))
+    parts = [(order[groups == one], abscissa) for one in levels]
     if time_s is not None:
         same = np.diff(abscissa[order]) <= _SAME * max(float(np.ptp(abscissa)), 1e-12)
         starts = np.concatenate([[0], np.flatnonzero(~same) + 1, [len(order)]])

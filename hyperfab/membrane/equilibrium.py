@@ -107,7 +107,8 @@ class _Linearised:
 class Press:
     """A sheet and the punch that is pushed into it.
 
-    ``tolerance`` is on the largest unbalanced nodal force relative to the punch's force.
+    ``tolerance`` is on the largest unbalanced nodal force relative to the punch's force. ``frame`` [mm/N] is what the
+    machine yields by that reads the depth; depths here are the punch's own.
     """
 
     sheet: Sheet
@@ -115,6 +116,7 @@ class Press:
     tangential: Tangential = field(default_factory=Frictionless)
     tolerance: float = 1e-10
     max_iterations: int = 20
+    frame: float = 0.0
 
     def equilibrium(
         self,

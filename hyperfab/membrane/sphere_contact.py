@@ -70,7 +70,8 @@ class SphereTest:
     ``prestretch``: the rim is held at this times its undeformed place; ``mesh_size`` [mm] away from the contact;
     ``order`` 1 or 2 of the elements; ``seed`` chooses among equally good meshes, ``jitter`` disturbs them;
     ``friction`` between sheet and sphere; ``facets`` are pressed in place of the sphere, whose ``radius`` then only
-    says how fine the elements are; ``rim_slip`` [mm per N/mm]: how far the clamp gives, 0 not at all.
+    says how fine the elements are; ``rim_slip`` [mm per N/mm]: how far the clamp gives, ``frame`` [mm/N]: how far the
+    machine does that reads the depth, 0 not at all.
     """
 
     outline: Outline
@@ -84,6 +85,7 @@ class SphereTest:
     jitter: float = 0.0
     friction: Tangential = field(default_factory=Frictionless)
     rim_slip: float = 0.0
+    frame: float = 0.0
     facets: Facets | None = None
 
 
@@ -94,6 +96,11 @@ class Solved:
     press: Press
     state: State
     error: float | None = None
+
+    @property
+    def read(self) -> float:
+        """The depth [mm] as the machine reads it, which yields with the force."""
+        return self.state.depth + self.press.frame * self.state.force
 
     @cached_property
     def fields(self) -> Fields:
@@ -120,8 +127,8 @@ def press_on(test: SphereTest, mesh: SheetMesh) -> Press:
     """Return the sheet of a test on ``mesh`` and its sphere."""
     sheet = Sheet(mesh, test.law, test.thickness, test.prestretch, test.rim_slip)
     if test.facets is None:
-        return Press(sheet, Sphere(test.radius), test.friction)
-    return Press(sheet, test.facets, test.friction, max_iterations=_ON_FACETS)
+        return Press(sheet, Sphere(test.radius), test.friction, frame=test.frame)
+    return Press(sheet, test.facets, test.friction, max_iterations=_ON_FACETS, frame=test.frame)
 
 
 def rough_path(

@@ -27,6 +27,7 @@ FULL: dict[str, list[str]] = {
     "fabric-contact": [
         "fabric.json", "--against", "other.json", "--shape", "outline.csv", "--size", "20cm", "--thickness", "0.7mm",
         "--punch", "p.stl", "--depth", "3cm", "--prestretch", "1.05", "--rim-slip", "0.5mm^2/N", "--friction", "stick",
+        "--frame-stiffness", "0.05kN/mm",
         "--temperature", "80degC", "--steps", "3", "--mesh-size", "5mm", "--element", "p1", "--tolerance", "1e-3",
         "--uncertainty", "sampled", "--stl-unit", "inch",
     ],

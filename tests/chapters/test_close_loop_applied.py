@@ -38,7 +38,7 @@ FABRIC: dict[str, Any] = {
 
 #: The entries as an emulator scales them that reaches so far.
 DRAPE = drape.entries(drape.DataContext((0.02, 0.05), 0.4, 0.03, 900.0))
-CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0))
+CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0, 1.5))
 
 
 def settings_of(effects: tuple[Effect, ...]) -> list[dict[str, float]]:
@@ -120,7 +120,18 @@ def test_a_punched_sheet_with_effects_is_the_one_that_is_written(
     folder: Path, settings: dict[str, float]
 ) -> None:
     case = options.read(
-        ContactCase, ["fabric.json", "--depth", "30mm", "--prestretch", "1.01", "--rim-slip", "0.1mm^2/N"]
+        ContactCase,
+        [
+            "fabric.json",
+            "--depth",
+            "30mm",
+            "--prestretch",
+            "1.01",
+            "--rim-slip",
+            "0.1mm^2/N",
+            "--frame-stiffness",
+            "20N/mm",
+        ],
     )
     document = parse_document(FABRIC, "fabric.json", MaterialDocument)
     thought = Pressed(quiet("close-loop"), case, document).test(settings)

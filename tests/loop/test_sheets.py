@@ -133,8 +133,8 @@ def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
 def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:
     problem = contact()
     depth = np.array([30.0])
-    stiff = problem.sheet.force(np.array([2.0, 2.0]), np.array([0.0, 0.0, 3.0, 0.0]), depth)
-    soft = problem.sheet.force(np.array([1.0, 1.0]), np.array([0.0, 0.0, 6.0, 0.0]), depth)
+    stiff = problem.sheet.force(np.array([2.0, 2.0]), np.array([0.0, 0.0, 3.0, 0.0, 0.0]), depth)
+    soft = problem.sheet.force(np.array([1.0, 1.0]), np.array([0.0, 0.0, 6.0, 0.0, 0.0]), depth)
     assert stiff == pytest.approx(2.0 * soft, rel=1e-12)
 
 
@@ -143,8 +143,18 @@ def test_a_clamp_slips_by_what_it_does_not_hold() -> None:
     problem, c, hold = contact(), 10.0, 0.08
     k = 2.0 * 2e-3 * KNOTS
     pull = np.where(k > hold, (k + 0.02 * c * hold) / (1.0 + 0.02 * c), k)
-    found = problem.sheet.force(np.ones(2), np.array([0.0, 0.0, c, hold]), KNOTS) / KNOTS
+    found = problem.sheet.force(np.ones(2), np.array([0.0, 0.0, c, hold, 0.0]), KNOTS) / KNOTS
     assert found == pytest.approx(pull, rel=2e-3)
+
+
+def test_a_machine_that_yields_reads_the_depth_of_the_punch_and_its_own() -> None:
+    """The model's own compliance and an added one, with a clamp that gives and softening at three temperatures."""
+    problem, soft = contact(slip=4.0), np.repeat([1.0, 0.9, 0.7], 4)
+    punch = np.tile(np.linspace(8.0, 50.0, 4), 3)
+    force = problem.sheet.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 0.0]), punch, soft)
+    yielding = replace(problem.sheet, frame=0.5)
+    found = yielding.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 1.5]), punch + 2.0 * force, soft)
+    assert found == pytest.approx(force, rel=1e-9)
 
 
 def test_an_oiled_punch_does_not_rub() -> None:
@@ -159,7 +169,7 @@ def test_an_oiled_punch_does_not_rub() -> None:
 
 def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
     problem = contact()
-    effects, depth = np.array([0.0, 0.0, 8.0, 0.0]), np.linspace(10.0, 50.0, 9)
+    effects, depth = np.array([0.0, 0.0, 8.0, 0.0, 0.0]), np.linspace(10.0, 50.0, 9)
     soft = np.linspace(1.0, 0.7, 9)
     mixed = problem.sheet.force(np.ones(2), effects, depth, soft)
     alone = [

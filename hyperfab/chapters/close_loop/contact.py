@@ -171,10 +171,10 @@ def pose_sheet(
         raise NotConverged(
             "the sheet has no equilibrium near the model's constants", remedy="measure to a smaller depth"
         )
-    correction = _finer(document, knots, base)
+    correction = _finer(document, knots, base, test.frame)
     return Sheet(
         emulator, knots, correction, names, linear, np.ones_like(knots),
-        friction=not sticks, coefficient=coefficient, slip=test.rim_slip,
+        friction=not sticks, coefficient=coefficient, slip=test.rim_slip, frame=test.frame,
     )  # fmt: skip
 
 
@@ -231,9 +231,11 @@ class Forward:
         except NoEquilibriumError:
             return None
         plain = replace(sheet, correction=np.ones_like(sheet.correction))
-        ratio = true / (plain.force(own, effects, sheet.knots) / sheet.knots)
-        depth = problem.states["depth_mm"]
-        force = sheet.force(own, effects, depth)
+        thought = plain.resistance(own, effects, np.ones_like(sheet.knots))(sheet.knots)
+        ratio = true / (thought / sheet.knots)
+        read = problem.states["depth_mm"]
+        force = sheet.force(own, effects, read)
+        depth = read - (sheet.frame + effects[4]) * force
         off = force * (np.interp(depth, sheet.knots, ratio / sheet.anchor) - 1.0)
         if float(np.sqrt(np.mean((off / found.noise.sd[: len(off)]) ** 2))) < 0.2:
             return None
@@ -241,9 +243,12 @@ class Forward:
         return replace(problem, sheet=anchored)
 
 
-def _finer(document: ContactDocument, knots: Array, base: Array) -> Array:
-    """Return what the document's own, finer meshes say of the force at the knots, over the coarse one."""
-    known = np.array([row for row in document.force_depth if row[0] > 0.0])
+def _finer(document: ContactDocument, knots: Array, base: Array, frame: float) -> Array:
+    """Return what the document's own, finer meshes say of the force at the knots, over the coarse one.
+
+    Its depths are as a machine reads them that yields by ``frame`` [mm/N].
+    """
+    known = np.array([(depth - frame * force, force) for depth, force in document.force_depth if depth > 0.0])
     if not len(known):
         return np.ones_like(knots)
     inside = (known[:, 0] >= knots[0]) & (known[:, 0] <= knots[-1])
@@ -301,6 +306,6 @@ def noise_of(
     def estimate(
         problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array
     ) -> Guess:
-        return guess_of_curve(one.force - predicted[rows], one.depth, level=one.force)
+        return guess_of_curve(one.force - predicted[rows], one.depth, level=one.force, state=one.temperature)
 
     return noise_from(files, lambda one: level, rows_of, estimate)

@@ -46,6 +46,8 @@ def contact_applied(case: ContactCase, amounts: Mapping[str, float]) -> ContactC
     elif amounts.get("friction", 0.0) < 0.0:
         # Down to none, less what rounding leaves.
         amounts = {**amounts, "friction": max(amounts["friction"], -float(case.friction))}
+    if amounts.get("frame", 0.0):
+        case = replace(case, frame_stiffness=1.0 / (case.yields + amounts["frame"]))
     return applied(case, amounts, PRESSED)
 
 

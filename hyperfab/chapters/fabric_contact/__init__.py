@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
+from hyperfab.membrane.frame import run_on_frame
 from hyperfab.membrane.friction_path import LOAD_STEPS, run_with_friction
 from hyperfab.membrane.path import Path
 from hyperfab.membrane.sphere_contact import Outcome
@@ -101,9 +103,14 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
                     reached = f"force {last.force:.3g} N at {last.depth:g} mm"
                     job.console.note(f"{fabric.name}: {reached}, before meshes fitted to the contact")
 
-        if setup.friction.remembers:
-            return run_with_friction(tests, setup.depths, watch, followed)
-        return press(tests, setup.depths, setup.case.tolerance, watch, followed)
+        def pressed(depths: Sequence[float]) -> list[Outcome]:
+            if setup.friction.remembers:
+                return run_with_friction(tests, depths, watch, followed)
+            return press(tests, depths, setup.case.tolerance, watch, followed)
+
+        if tests[0].frame:
+            return run_on_frame(tests[0], setup.depths, pressed)
+        return pressed(setup.depths)
 
 
 def _write(
@@ -150,7 +157,7 @@ def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
         found = solved.fields
         rows.append(
             [
-                f"{solved.state.depth:.4g}", f"{solved.state.force:.6g}", f"{1e-3 * solved.state.energy:.5g}",
+                f"{solved.read:.4g}", f"{solved.state.force:.6g}", f"{1e-3 * solved.state.energy:.5g}",
                 f"{np.max(found.stretch):.4f}", f"{np.max(found.cauchy):.4g}",
             ]
         )  # fmt: skip

@@ -99,7 +99,7 @@ def picture(
     curves = [
         Curve(
             name,
-            [0.0] + [solved.state.depth for solved in outcome.solved],
+            [0.0] + [solved.read for solved in outcome.solved],
             [0.0] + [solved.state.force for solved in outcome.solved],
             f"no equilibrium beyond {outcome.path.limit.depth:.1f} mm" if outcome.path.limit else None,
             interval if outcome is outcomes[0] else None,

@@ -90,9 +90,10 @@ class Beside(Nearby):
 def beside(
     job: Job, case: ContactCase, geometry: Geometry, outcome: Outcome, origins: Origins
 ) -> Beside | None:
-    """Return the neighbours of a test's last equilibrium; None where they hang on the way, or have another mesh."""
+    """Return the neighbours of a test's last equilibrium; None where they hang on the way, or have another mesh, or
+    where the machine yields, so that the punch is not as deep."""
     solved = outcome.solved[-1]
-    if solved.press.tangential.remembers or not origins.settings <= _ON_THE_MESH:
+    if solved.press.tangential.remembers or solved.press.frame or not origins.settings <= _ON_THE_MESH:
         return None
     return Beside(job, case, geometry, solved, origins)
 

@@ -37,7 +37,7 @@ def document(
     found = ContactDocument(
         converged=limit is None,
         status=status_of(outcome, unstable),
-        depth_reached_mm=limit.depth if limit else None,
+        depth_reached_mm=_reached(outcome),
         turning_point_mm=limit.turning_point if limit else None,
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
@@ -105,7 +105,7 @@ def row(solved: Solved) -> dict[str, float]:
     smooth = solved.fields
     edge = contact_edge(solved.press, solved.state, deformed=True)
     return {
-        "depth_mm": solved.state.depth,
+        "depth_mm": solved.read,
         "force_N": solved.state.force,
         "energy_J": _JOULE * solved.state.energy,
         "contact_radius_mm": edge.mean if edge else 0.0,
@@ -122,6 +122,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
     for name, value in row(last).items():
         if name != "depth_mm":
             setattr(found, name, value)
+    found.punch_depth_mm = state.depth if last.press.frame else None
     found.force_error_relative = last.error
     found.pressure_max_MPa = float(pressure(last, smooth.cauchy, smooth.thickness).max())
     found.stress_nominal_max_MPa = float(smooth.nominal.max())
@@ -161,7 +162,7 @@ def _compare(
         model=fabric.model,
         converged=limit is None,
         status=status_of(other, unstable),
-        depth_reached_mm=limit.depth if limit else None,
+        depth_reached_mm=_reached(other),
         force_depth=_force_depth(other),
         stability=_stability(unstable, limit),
     )
@@ -182,7 +183,15 @@ def _compare(
 
 
 def _force_depth(outcome: Outcome) -> list[tuple[float, float]]:
-    return [(0.0, 0.0), *((solved.state.depth, solved.state.force) for solved in outcome.solved)]
+    return [(0.0, 0.0), *((solved.read, solved.state.force) for solved in outcome.solved)]
+
+
+def _reached(outcome: Outcome) -> float | None:
+    """Return how deep a path came that ends early, as the machine reads it."""
+    limit, states = outcome.path.limit, outcome.path.states
+    if limit is None:
+        return None
+    return limit.depth + (outcome.rough.frame * states[-1].force if states else 0.0)
 
 
 def _stability(unstable: Instability | None, limit: Limit | None) -> StabilityPart:
@@ -212,6 +221,7 @@ def _setup(setup: Setup, fabric: Fabric) -> SetupPart:
         depth_mm=setup.depths[-1],
         prestretch=case.prestretch,
         rim_slip_mm2_N=case.rim_slip or None,
+        frame_stiffness_N_mm=case.frame_stiffness,
         temperature_degC=fabric.temperature,
         constants_degC=fabric.held_at,
         effects=fabric.obeyed or None,

@@ -83,6 +83,7 @@ class Setup:
             order=_ORDERS[self.case.element],
             friction=self.friction,
             rim_slip=self.case.rim_slip,
+            frame=self.case.yields,
             facets=self.geometry.facets,
         )
 

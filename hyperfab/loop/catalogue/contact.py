@@ -13,7 +13,7 @@ from hyperfab.loop.problem import Constant, Effect, Form
 @dataclass(frozen=True)
 class DataContext:
     """The temperatures met [degC], how far prestretch (down, up), friction and slip
-    [mm per N/mm] may go, and the pull of the rim [N/mm] at the deepest."""
+    [mm per N/mm] may go, and the pull of the rim [N/mm] and what the sheet ``yields`` by [mm/N] at the deepest."""
 
     temperatures: tuple[float, ...]
     reference_degC: float
@@ -21,11 +21,32 @@ class DataContext:
     friction: float
     slip: float
     pull: float
+    yields: float
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
     """Return what may lack, scaled to the data."""
-    return friction(context), pretension(context), rim_slip(context), thermal_softening(context)
+    return (
+        frame_compliance(context),
+        friction(context),
+        pretension(context),
+        rim_slip(context),
+        thermal_softening(context),
+    )
+
+
+def frame_compliance(context: DataContext) -> Effect:
+    """A machine that yields in series with the sheet, ``--frame-stiffness``: load cell, frame and rod shorten what it
+    reads as depth in proportion to the force, in addition to what the model's own does."""
+    whole = context.yields
+    compliance = Constant("compliance_mm_N", 0.0, 0.0, whole, 0.005 * whole, places=("frame",))
+    return Effect(
+        id="frame-compliance",
+        title="the machine yields with the load",
+        shown_by="the depth read at the punch itself (a dial gauge), or force over depth against a rigid block",
+        source="a linear spring in series",
+        forms=(Form("spring", (compliance,), ((0.02 * whole,), (0.1 * whole,)), ((0.01 * whole,),)),),
+    )
 
 
 def friction(context: DataContext) -> Effect:
