@@ -52,19 +52,32 @@ class Guess:
 _RATIOS, _WORTH = (0.0, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0), 0.4
 
 
-def proportional(guesses: Sequence[Guess], top: float) -> float:
-    """Return how loud noise in proportion is at the reading ``top``, over the constant part: 0 unless the data ask.
+def loudness(guesses: Sequence[Guess], top: float) -> tuple[Array, float]:
+    """Return the constant part of each guess (n,), and how loud noise in proportion is at the reading ``top``, over it.
+
+    Where the data do not decide between noise that is even and noise in proportion, each counts by its probability:
+    what is taken for even has the largest readings drawn in, and they would be missed by more than noise.
 
     >>> y = np.linspace(1.0, 100.0, 200)
     >>> d = 0.01 * y * np.random.default_rng(0).standard_normal(200)
-    >>> proportional([Guess(0.6, 80.0, "", d, y)], 100.0) >= 10.0
+    >>> loudness([Guess(0.6, 80.0, "", d, y)], 100.0)[1] >= 10.0
     True
-    >>> proportional([Guess(1.0, 80.0, "", d / y, y)], 100.0)
-    0.0
+    >>> loudness([Guess(1.0, 80.0, "", d / y, y)], 100.0)[1] < 0.3
+    True
     """
+    ratios = np.array(_RATIOS)
+    squares = np.array([[guess.sized(ratio, top) ** 2 for ratio in _RATIOS] for guess in guesses])
+    mean = squares @ likely_ratios(guesses, top)
+    whole = float(np.sum(squares * ratios**2 @ likely_ratios(guesses, top)))
+    return np.sqrt(mean), float(np.sqrt(whole / max(np.sum(mean), 1e-300)))
+
+
+def likely_ratios(guesses: Sequence[Guess], top: float) -> Array:
+    """Return the probability of each of ``_RATIOS``: the first, even noise, is the likelier by ``MARGIN`` before."""
+    even = np.eye(len(_RATIOS))[0]
     known = [(one.found, one.level) for one in guesses if one.found is not None and one.level is not None]
     if len(known) < len(guesses) or min((len(found) for found, _ in known), default=0) < FEWEST or top <= 0.0:
-        return 0.0
+        return even
     misfits = []
     for ratio in _RATIOS:
         misfit = MARGIN * (ratio > 0.0)
@@ -74,7 +87,8 @@ def proportional(guesses: Sequence[Guess], top: float) -> float:
             left = np.minimum(np.abs(found) / (size * shape), 3.0)
             misfit += _WORTH * float(np.sum(2.0 * np.log(size * shape) + left**2))
         misfits.append(misfit)
-    return float(_RATIOS[int(np.argmin(misfits))])
+    chance = np.exp(-0.5 * (np.array(misfits) - min(misfits)))
+    return np.asarray(chance / chance.sum())
 
 
 def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> Guess:

@@ -7,7 +7,7 @@ import pytest
 
 from hyperfab.loop.noise_estimate import third_differences
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.scatter import guess_of_cloud, guess_of_curve, patches
+from hyperfab.loop.scatter import guess_of_cloud, guess_of_curve, loudness, patches
 
 
 def test_repeats_at_one_place_differ_by_root_two_of_the_noise() -> None:
@@ -72,6 +72,21 @@ def test_what_a_temperature_does_to_readings_taken_in_turn_is_no_noise() -> None
     # Where each reading has a temperature of its own there is one curve.
     drift = guess_of_curve(load[::3], x[::3], state=np.linspace(20.0, 90.0, 200))
     assert drift.size == guess_of_curve(load[::3], x[::3]).size
+
+
+def test_noise_in_proportion_that_few_readings_show_is_not_taken_for_less_than_it_is() -> None:
+    """Half of a percent of each reading and a tenth of the largest, of 60: what is guessed holds in the mean."""
+    x = np.linspace(1.0, 60.0, 60)
+    force = 41.5 * (x / 60.0) ** 2.6
+    missed = []
+    for seed in range(60):
+        sd = np.hypot(0.005 * force, 0.001 * force[-1])
+        off = sd * np.random.default_rng(seed).standard_normal(60)
+        guess = guess_of_curve(off, x, level=force + off)
+        sizes, ratio = loudness([guess], force[-1])
+        missed.append(np.mean((off / (sizes[0] * np.hypot(1.0, ratio * force / force[-1]))) ** 2))
+    assert np.mean(missed) == pytest.approx(1.0, abs=0.15)
+    assert np.quantile(missed, 0.95) < 2.2
 
 
 def test_where_a_press_holds_the_readings_are_smooth_in_time() -> None:

@@ -107,7 +107,7 @@ def in_proportion(gain: float) -> bool:
         return costs[0] - min(costs), guess
 
     power = brentq(lambda one: claimed(one)[0] - gain, 0.0, 1.5, xtol=1e-4)
-    return scatter.proportional([claimed(float(power))[1]], 100.0) > 0.0
+    return int(np.argmax(scatter.likely_ratios([claimed(float(power))[1]], 100.0))) > 0
 
 
 def alike(p: float) -> bool:

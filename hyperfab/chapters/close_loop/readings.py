@@ -20,7 +20,7 @@ from hyperfab.io.layout import Layout, filled_in
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, proportional
+from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
 
 
@@ -179,8 +179,7 @@ def _loudness(
     """Return rows, standard deviation of each, and its degrees of freedom for files of one kind."""
     every = np.concatenate([rows for rows, _ in group])
     top = float(np.max(np.abs(measured[every]), initial=0.0))
-    ratio = proportional([guess for _, guess in group], top)
-    sizes = np.array([guess.sized(ratio, top) for _, guess in group])
+    sizes, ratio = loudness([guess for _, guess in group], top)
     dof = np.array([guess.dof for _, guess in group])
 
     def shaped(rows: NDArray[np.int64], size: float) -> Array:
