@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from types import SimpleNamespace
@@ -9,11 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop import drape as closing
-from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
+from hyperfab.chapters.close_loop.words import another_frame, another_unit, delivered_of, strange_probes
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
@@ -128,6 +130,30 @@ def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
             assert np.array_equal(null, plain), (effect.id, form.name)
             moved = problem.predict(own, {effect.id: (form.name, np.array(form.starts[0]))})
             assert np.max(np.abs(moved - plain)) > 1e-6, (effect.id, form.name)
+
+
+@pytest.mark.parametrize(("turned", "told"), [(0.4, True), (0.0, False)])
+def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> None:
+    """A shift and a turn of all of them; where they are as thought nothing is said of a frame."""
+    problem = drape()
+    line = np.linspace(-100.0, 100.0, 7)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    sheet = np.stack([x, y, 40.0 * np.exp(-((x / 60.0) ** 2) - (y / 60.0) ** 2)], axis=2)
+    problem = problem.on(replace(problem.draped, base=sheet))
+    axis, rng = problem.states["axis"], np.random.default_rng(7)
+    given = delivered_of(problem)
+    places = np.stack([given[: len(axis)][axis == way] for way in range(3)], axis=1)
+    about = np.deg2rad(turned) * np.array([0.6, 0.0, 0.8])
+    moved = Rotation.from_rotvec(about).apply(places) + turned * np.array([1.0, -2.0, 0.5])
+    problem.measured = given.copy()
+    for way in range(3):
+        problem.measured[np.flatnonzero(axis == way)] = moved[:, way] + 0.02 * rng.standard_normal(len(moved))
+    found = close(problem, noise=0.02, design=False)
+    lines = another_frame(problem, found)
+    assert bool(lines) == told
+    # The sheet's own constants take a little of it.
+    for line in lines:
+        assert float(re.search(r"turned by (\S+) deg", line)[1]) == pytest.approx(0.4, abs=0.08), line
 
 
 def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:

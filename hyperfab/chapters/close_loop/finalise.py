@@ -17,7 +17,7 @@ from hyperfab.chapters.close_loop.describe import column, describe, errors_of, l
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
-from hyperfab.chapters.close_loop.words import delivered_of
+from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.console import NEGATIVE_VERDICT
@@ -38,8 +38,6 @@ from hyperfab.loop.problem import Problem
 #: Files the extended model may have beside it.
 MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")
 _REFITS = 40.0
-#: States that say where a reading was taken; they stand beside it in the table.
-_PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm", "axis")
 
 
 @dataclass(frozen=True)
@@ -252,7 +250,7 @@ def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) 
     rows = []
     place = np.full(len(problem.measured), np.nan)
     place[np.flatnonzero(first)] = axis.values
-    where = [name for name in _PLACES if name in problem.states and name not in head]
+    where = [name for name in (*PLACES, "axis") if name in problem.states and name not in head]
     at = np.full((len(problem.measured), len(where)), np.nan)
     if where:
         at[first] = np.stack([problem.states[name] for name in where], axis=1)

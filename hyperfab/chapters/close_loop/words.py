@@ -12,7 +12,7 @@ from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
-from hyperfab.loop.thresholds import TOLD
+from hyperfab.loop.thresholds import FEWEST, SHARE, SMALL, TOLD
 
 #: Differences of BIC from which evidence is called so: Kass & Raftery (1995), doi:10.1080/01621459.1995.10476572.
 _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
@@ -20,6 +20,8 @@ _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
 #: Readings so many times what the model says, or so many times less, are asked about: newtons in a kilogram-force, less
 #: some; where the model has less than this share of its largest value they are not.
 _ANOTHER_UNIT, _LITTLE = 8.0, 0.1
+#: States that say where a reading was taken; they stand beside it in the table.
+PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm")
 #: Times as far, or as little, as the others that a probe moves beside the model before it is at fault: degF makes 1.8.
 _OTHER_PROBE = 1.5
 #: An entry is told beside what was found from this probability on.
@@ -57,6 +59,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
+    lines += another_frame(problem, found)
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
         told = "; ".join(f"{name}: {by[name]}" for name in document.indistinguishable[0])
@@ -128,6 +131,37 @@ def another_unit(problem: Problem) -> list[str]:
                 "heads of the columns, and those of the model"
             )
     return told
+
+
+def another_frame(problem: Problem, found: Finding) -> list[str]:
+    """Return the shift and turn of the frame that markers were read in, where that is all the model misses them by.
+
+    The rigid motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922.
+    """
+    if "axis" not in problem.states:
+        return []
+    axis = problem.states["axis"]
+    count = len(axis)
+    sd = found.noise.sd[:count]
+    thought, read = (
+        np.stack([rows[:count][axis == way] for way in range(3)], axis=1)
+        for rows in (found.before.fit.predicted, problem.measured)
+    )
+    weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
+    a, b = thought - thought.mean(axis=0), read - read.mean(axis=0)
+    u, _, v = np.linalg.svd(a.T @ b)
+    turn = (u * [1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
+    moved = a @ turn + read.mean(axis=0)
+    beyond, left = (float(np.mean(((read - one) * weight) ** 2)) - 1.0 for one in (thought, moved))
+    if len(read) < FEWEST or beyond <= SMALL**2 or left > SHARE * beyond:
+        return []
+    shift = ", ".join(f"{one:.3g}" for one in read.mean(axis=0) - thought.mean(axis=0) @ turn)
+    angle = np.rad2deg(np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0)))
+    return [
+        "The markers lie where the model has them without any effect, but for their frame, shifted by "
+        f"({shift}) mm and turned by {angle:.2g} deg: read the frame again at the clamped edge before anything is said "
+        "to lack."
+    ]
 
 
 def strange_probes(problem: Problem) -> list[str]:
@@ -295,8 +329,12 @@ def _where(problem: Problem, found: Finding) -> str:
     worst = max(curves, key=lambda curve: float(np.sum(square[curve.rows])))
     share = float(np.sum(square[worst.rows])) / max(float(np.sum(square)), 1e-300)
     at = int(np.argmax(square[worst.rows]))
-    places = worst.places
-    told = f"Most of it ({share:.0%}) is in {worst.name}, there most in row {at + 1} of {len(places)}"
+    row = worst.start + at
+    # Where a place is known it says more than a row: those of a part of a file are not its lines.
+    known = [name for name in (*PLACES, "depth_mm") if row < len(problem.states.get(name, ()))]
+    spot = ", ".join(f"{name.removesuffix('_mm')} {problem.states[name][row]:.4g} mm" for name in known)
+    told = f"Most of it ({share:.0%}) is in {worst.name}, there most "
+    told += f"at {spot}" if spot else f"in row {at + 1} of {len(worst.places)}"
     times = np.full(len(square), np.nan)
     if "time_s" in problem.states:
         times[problem.channel == 0] = problem.states["time_s"]
