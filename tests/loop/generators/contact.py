@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-IDS = ("friction", "pretension", "thermal-softening", "rim-slip")
+IDS = ("frame-compliance", "friction", "pretension", "thermal-softening", "rim-slip")
 #: What no entry of the catalogue says: a ripple of the punch's drive, a seam that tears, a load cell that saturates.
 OUTSIDE = ("ripple", "torn-seam", "saturated-cell")
 C10, C20, THICK, RADIUS, SPHERE, ROOM = 0.06, 0.02, 1.0, 100.0, 40.0, 23.0
@@ -140,6 +140,8 @@ def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> lis
         )  # fmt: skip
         # Without a clamp that gives, the force goes with the modulus.
         force = force * weak / made
+        # The machine reads what it yields by as depth too.
+        depth = depth + 0.4 * size.get("frame-compliance", 0.0) * force
         deepest = min(60.0, float(depth[-1]))
         at = np.linspace(max(3.0, float(depth[0])), deepest, 300 if protocol == "often" else 60)
         if protocol == "begin":
