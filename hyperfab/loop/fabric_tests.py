@@ -12,7 +12,7 @@ from hyperfab.curve import TestCurve, sheared
 from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, held, moving
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, moving
 
 _SMOOTH_DEGREE = 5
 #: Rows slower than this share of a test's mean pace stand still.
@@ -52,7 +52,8 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
         if np.all(np.isfinite(speed[rows])) or not np.all(np.isfinite(time[rows])):
             continue
         part, span = np.abs(np.diff(path.moved(rows))), np.diff(time[rows])
-        speed[rows] = float(np.sum(part)) / max(float(np.sum(span[part > 1e-9])), 1e-12)
+        going = (part > 1e-9) & ~path.still[rows][1:]
+        speed[rows] = float(np.sum(part[going])) / max(float(np.sum(span[going])), 1e-12)
     return path, speed
 
 
@@ -78,7 +79,7 @@ def curves_of(
     setups = _setups(path, tests)
     for test, place, setup in zip(tests, path.curves, setups, strict=True):
         up = path.up[place]
-        corners = (np.diff(up) != 0) | (np.diff(held(path.moved(place)).astype(np.int64)) != 0)
+        corners = (np.diff(up) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
         cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
         time = path.time_s[place]
         rising = bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0))

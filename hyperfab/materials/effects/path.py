@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,8 +19,12 @@ MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general", "confined-compr
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
 _TURN = 0.02
-#: Rows of one stretch that are a hold.
-_HOLD = 8
+#: Rows of one stretch that are a hold; else it lasts as long as the pace of a test takes for this share of its range.
+_HOLD, _LONG = 8, 0.1
+#: Bands that a machine wobbles in while it holds, in shares of that range.
+_WOBBLE = (0.0005, 0.004)
+#: What a held stretch wobbles by is gone through in less than this share of the hold, at the pace of the test.
+_STANDS = 0.01
 
 
 @dataclass(frozen=True)
@@ -178,13 +183,19 @@ class Path:
 
     @cached_property
     def speed(self) -> Array:
-        """Rate of the stretch since the row before [1/s], with its sign; 0 in the first row and where time stands."""
+        """Rate of the stretch since the row before [1/s], with its sign; 0 in the first row, in a hold and where time
+        stands."""
         found = np.zeros_like(self.stretch)
         moved = np.diff(self.stretch, prepend=1.0)
-        going = np.nan_to_num(self.elapsed) > 1e-12
+        going = (np.nan_to_num(self.elapsed) > 1e-12) & ~self.still
         going[[rows.start for rows in self.curves]] = False
         found[going] = moved[going] / self.elapsed[going]
         return found
+
+    @cached_property
+    def still(self) -> NDArray[np.bool_]:
+        """Rows that stand in a hold of their test."""
+        return np.concatenate([held(self.moved(rows), self.time_s[rows]) for rows in self.curves])
 
     @property
     def knows_time(self) -> bool:
@@ -213,13 +224,38 @@ def moving(stretch: Array, across: Array) -> Array:
     return across if float(np.ptp(across)) > float(np.ptp(stretch)) else stretch
 
 
-def held(stretch: Array) -> NDArray[np.bool_]:
-    """Return which rows stand in a hold: the same stretch for several rows, more than digits would repeat."""
-    still = np.concatenate([[False], np.abs(np.diff(stretch)) <= 1e-9])
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], still.astype(np.int64), [0]])))
-    for start, stop in zip(edges[0::2], edges[1::2], strict=True):
-        if stop - start < _HOLD:
-            still[start:stop] = False
+def held(stretch: Array, clock: Array) -> NDArray[np.bool_]:
+    """Return which rows stand in a hold: about the same stretch for several rows, more than digits would repeat.
+
+    A machine that holds wobbles: the stretch stays in a narrow band, for far longer than the test takes to cross it.
+    ``clock`` is the time; where it is unknown each row takes as long.
+
+    >>> wobble = 1.3 + 1e-4 * np.sin(np.arange(12.0) ** 2)
+    >>> path = np.concatenate([np.linspace(1.0, 1.3, 11), wobble])
+    >>> held(path, np.arange(23.0)).sum(), held(np.linspace(1.0, 1.3, 9999), np.arange(9999.0)).sum()
+    (np.int64(12), np.int64(0))
+    """
+    still = np.zeros(len(stretch), dtype=bool)
+    step, span, reach = np.abs(np.diff(stretch)), np.diff(clock), float(np.ptp(stretch))
+    if reach <= _WOBBLE[0] * float(np.max(np.abs(stretch - 1.0), initial=0.0)):
+        still[1:] = len(stretch) > _HOLD
+        return still
+    timed = bool(np.all(span > 0.0))
+    since = clock if timed else np.arange(float(len(stretch)))
+    speed = step / np.diff(since)
+    order = np.argsort(speed)
+    travel = np.cumsum(step[order])
+    pace = float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])])
+    alike = np.concatenate([[0], np.cumsum(step > 1e-9)])
+    # A wobble about the edge of one band is inside another that is shifted by half.
+    bands = [np.floor(stretch / (share * reach) + shift) for share in _WOBBLE for shift in (0.0, 0.5)]
+    for band in (alike, *bands):
+        edges = [0, *(1 + np.flatnonzero(np.diff(band))), len(stretch)]
+        for start, stop in itertools.pairwise(edges):
+            ways = pace * float(since[stop - 1] - since[start])
+            long = ways >= _LONG * reach and stop - start > (2 if timed else _HOLD)
+            if long or (band is alike and stop - start > _HOLD):
+                still[start + 1 : stop] |= float(np.ptp(stretch[start:stop])) <= _STANDS * ways
     return still
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.loop.fabric_tests import ONE_PACE
-from hyperfab.materials.effects.path import Path, held
+from hyperfab.materials.effects.path import Path
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Law
 
@@ -77,7 +77,7 @@ class DataContext:
         pace = [float(np.median(one)) for one in going if len(one)]
         if pace and max(pace) > ONE_PACE * min(pace):
             return True
-        return any(held(self.path.moved(rows)).any() for rows in curves)
+        return any(self.path.still[rows].any() for rows in curves)
 
     @property
     def angles(self) -> Array:
