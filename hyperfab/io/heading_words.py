@@ -151,7 +151,9 @@ ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of d
         bemerkungen; remark; remarks; note; notes; comentario; comentarios; observaciones; observacoes;
         commentaire; remarque; commento; nota; energy; work; arbeit; energia; energie; travail; lavoro; trabalho;
         tenacity; feinheitsfestigkeit; status; flag; event; marker; step; segment; phase; power; torque; moment;
-        drehmoment; modulus; modul; count; zahler; counter; humidity; luftfeuchte; feuchte; humedad; humidite;
+        drehmoment; modulus; modul; storage modulus; loss modulus; complex modulus; tan delta; tan;
+        complex viscosity; phase angle; raw phase; speichermodul; verlustmodul; verlustfaktor;
+        count; zahler; counter; humidity; luftfeuchte; feuchte; humedad; humidite;
         umidita; umidade; operator; pruefer; prufer; x; y; z; poisson ratio; querkontraktionszahl; area; flache;
         width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no"""
 

@@ -79,7 +79,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         one for one in sheet.headings
         if one.index not in entries and one.title and any(map(is_number, sheet.columns[one.index][:5]))
         and not any(column.heading.index == one.index for column in found.columns.values())
-        and not is_unread(one) and not _is_size(one)
+        and not is_unread(one) and not _is_aside(one)
     ]  # fmt: skip
     rest = [one for one in numeric if not ((own := _own_unit(one)) and is_unit(own))]
     places = ("", " 2") if _two_axes(sheet, have, rest) else ("",)
@@ -92,6 +92,8 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
             entries[one.index] = (one.title, f"force [{yarn[1]}]")
         if kind is None and one.unit is not None and unit_of(one.unit) and is_of(one.unit, "dimensionless"):
             kind = measured("strain", one.title)  # epsY_log is a logarithmic one
+            if have & set(STRETCHES) and kind not in have:
+                continue  # beside an extension: a set point, a count
         if kind == "extension" and is_length(sheet.columns[one.index]):
             kind = "length"
         named = next((f"{kind}{place}" for place in places if f"{kind}{place}" not in have), None)
@@ -111,8 +113,8 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
 
 
 def _own_unit(head: Heading) -> str | None:
-    """Return a column's unit; a head may be of units alone, but l1 is a letter of an axis and no litre."""
-    return head.unit or (None if re.fullmatch(r"[A-Za-z]_?\d", head.title) else unit_of(head.title))
+    """Return a column's unit; a head may be of units alone, but l1 is a letter of an axis, L a length and F a force."""
+    return head.unit or (None if re.fullmatch(r"[A-Za-z]_?\d|[FLl]", head.title) else unit_of(head.title))
 
 
 def _two_axes(sheet: CsvSheet, have: set[str], rest: Sequence[Heading]) -> bool:
@@ -122,9 +124,10 @@ def _two_axes(sheet: CsvSheet, have: set[str], rest: Sequence[Heading]) -> bool:
     return len(rest) > 1 and all(shape(sheet.columns[one.index], one.title) == "stretch" for one in rest[:2])
 
 
-def _is_size(head: Heading) -> bool:
-    """Whether a column tells a length that the channel was set up with, as Extensometer L0 does."""
-    return meaning(head) == Meaning("aside") and head.unit is not None and is_of(head.unit, "length")
+def _is_aside(head: Heading) -> bool:
+    """Whether a column is known to be neither stretch nor stress, as a modulus is; a letter, as X, may be either."""
+    yarn = _FINENESS.fullmatch(head.unit or "")
+    return len(head.title) > 1 and meaning(head) == Meaning("aside") and not yarn
 
 
 def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:

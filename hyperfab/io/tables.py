@@ -26,6 +26,8 @@ Fits = Callable[[Sequence[Heading]], bool]
 _BLANK_UNITS = frozenset(
     ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
 ) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
+#: How a unit that is none of ours may be written: V, Ohm, l/min, counts/s.
+_FOREIGN = re.compile(r"[^\W\d_]{1,3}|\w{1,6}(?:[./*]\w{1,4})+")
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
@@ -227,7 +229,10 @@ def headings(titles: Sequence[str], layout: Layout) -> tuple[Heading, ...]:
 
 
 def is_units(cells: Sequence[str]) -> bool:
-    """Whether a row below a head holds units: each cell one or empty, at least one real."""
+    """Whether a row below a head holds units: each cell one or empty, at least one real.
+
+    A channel beside them may be in a unit that is none of ours, a word no column is called.
+    """
     bare = [cell.strip("[](){}<> ") for cell in cells]
     if any(is_number(cell) for cell in bare) and not any(
         unit_of(cell) for cell in bare if not is_number(cell)
@@ -245,7 +250,8 @@ def is_units(cells: Sequence[str]) -> bool:
         cell for cell, unit, whole in zip(bare, units, cells, strict=True)
         if unit is None and cell.casefold() not in _BLANK_UNITS and whole[:1] not in "[({<"
     ]  # fmt: skip
-    return not odd and (
+    foreign = all(_FOREIGN.fullmatch(cell) and meaning(heading(cell, 0)) is None for cell in odd)
+    return (not odd or (foreign and len(odd) <= real)) and (
         real > 0 or (any(cells) and all(cell.strip() in ("-", "[-]", "(-)", "", "[]") for cell in cells))
     )
 

@@ -193,6 +193,7 @@ def _clean(text: str) -> str:
     """Reduce the ways units are typeset to one: µ, superscripts, middle dots, spaces around operators."""
     text = text.strip().replace("µ", "u").replace("μ", "u").replace("º", "°")
     text = _SUPERSCRIPT_RUN.sub(lambda run: "^" + run[0].translate(_SUPERSCRIPTS), text)
+    text = re.sub(r"(?<=[^\W\d_])\.(?=[^\W\d_])", "·", text)  # N.m, Pa.s
     text = re.sub(r"\s*([/·⋅×])\s*", r"\1", text[:200])
     return re.sub(r"[·⋅×]", "*", text)
 
