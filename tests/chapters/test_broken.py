@@ -42,3 +42,9 @@ def test_a_strip_that_is_let_go_or_relaxes_is_whole() -> None:
     held = np.concatenate([STRETCH, np.full(30, 3.0)])
     assert broken(held, np.concatenate([STRESS, STRESS[-1] * np.linspace(1.0, 0.3, 30)])) == len(held)
     assert broken(STRETCH[::-1], STRESS[::-1]) == len(STRETCH)
+
+
+def test_a_preloaded_strip_that_a_sine_lets_go_past_its_rest_is_whole() -> None:
+    """As far to shorter as it was pulled: eight readings of a cycle about a preload of half its stress."""
+    way = 1.0 + 0.08 * np.sin(np.linspace(0.0, 1.75 * np.pi, 8))
+    assert broken(way, np.maximum(0.5 + 8.0 * (way - 1.0), 0.0)) == len(way)

@@ -150,14 +150,17 @@ def broken(stretch: Array, stress: Array) -> int:
     3
     >>> broken(np.array([1.0, 1.5, 2.0, 1.5, 1.1]), np.array([0.0, 0.6, 1.0, 0.2, 0.0]))
     5
+    >>> broken(np.array([1.0, 1.2, 1.06, 0.93]), np.array([0.4, 1.0, 0.6, 0.0]))
+    4
     """
-    size, away = np.abs(stress), np.abs(np.log(stretch))
+    size, away = np.abs(stress), np.log(stretch)
     peak, count = float(size.max(initial=0.0)), len(stress)
     gone = 1 + int(np.flatnonzero(size > _GONE * peak)[-1]) if peak > 0.0 else count
     if gone == count:
         return count
     held = int(np.flatnonzero(size[:gone] >= _HELD * peak)[-1])
-    return held + 1 if away[gone] >= away[held] - _STILL * float(np.ptp(away)) else count
+    away = np.sign(away[held]) * away  # let go past its rest a pulled specimen is shorter, not farther away
+    return held + 1 if away[gone] >= away[held] - _STILL * float(np.ptp(np.abs(away))) else count
 
 
 def _select(
