@@ -93,10 +93,9 @@ def meaning(head: Heading) -> Meaning | None:
     if not found:
         core = " ".join(word for word in label.split() if not is_filler(word))
         found = [replace(one, rank=2) for one in looked_up(core)] if core != label else []
+    # A group of channels before the one: Analog input: Force, Extensometer 1.ΔL, C_1_Force.
     group = re.fullmatch(r"(?:.*(?::|[^\W_]\.(?=[^\W\d]))|[A-WZa-wz]_\d{1,2}_)(.+)", head.label)
-    if (
-        not found and group
-    ):  # a group of channels before the one: Analog input: Force, Extensometer 1.ΔL, C_1_Force
+    if not found and group:
         behind = meaning(replace(head, label=group[1].strip()))
         return behind and replace(behind, rank=2)
     found = [replace(one, name=name) for one in found if (name := measured(one.name, head.title))]
