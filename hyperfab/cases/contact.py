@@ -71,7 +71,10 @@ class ContactCase(Case):
         "Coulomb coefficient, or stick.", "0", key="friction_coefficient",
     )  # fmt: skip
     temperature: float | None = amount(
-        "temperature", "T", "Of the fabric, where the material document knows of it.", example="80degC"
+        "temperature",
+        "T",
+        "Of the fabric, as 80degC; beyond its tests the nearest constants hold.",
+        example="80degC",
     )
     steps: int = whole("N", "Load steps shown; halved where needed.", "8", least=1, most=500)
     mesh_size: float | None = amount(

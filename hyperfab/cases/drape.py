@@ -154,7 +154,7 @@ class DrapeCase(Case):
     temperature: float | None = amount(
         "temperature",
         "T",
-        "Of the fabric, where the material document knows of it.",
+        "Of the fabric, as 80degC; beyond its tests the nearest constants hold.",
         example="90degC",
     )
     clamp: tuple[str, ...] = setting(

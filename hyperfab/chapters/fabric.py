@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import COLDEST, HOTTEST
 from hyperfab.documents.base import read_document
-from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
+from hyperfab.documents.material import Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
@@ -22,8 +22,6 @@ from hyperfab.materials.orthotropic import Orthotropic
 
 #: The law that is the whole sheet's, not one direction's.
 ORTHOTROPIC = "orthotropic"
-#: A temperature this near [K] to that of the constants is theirs.
-_SAME_K = 0.5
 
 
 @dataclass(frozen=True)
@@ -50,8 +48,8 @@ class FabricDocument:
     def constants(self, direction: str | None = None) -> dict[str, float]:
         """Return the law's constants at the temperature asked for; between those of two tests they go linearly.
 
-        Where the document softens by the effect ``thermal-softening``, by that. Raises InputError where it says nothing
-        of temperature.
+        Beyond the tests the nearest hold (``held_at``). Where the document softens by the effect ``thermal-softening``,
+        by that.
         """
         softening = self._softening()
         if softening is not None:
@@ -60,18 +58,7 @@ class FabricDocument:
             if self.document.model == ORTHOTROPIC:
                 return dict(self._orthotropic(own).scaled(factor).parameters)
             return scaled(own, factor)
-        known = self.document.temperature_degC
-        if self.asked is None or self._table(direction):
-            return self.document.constants(direction, self.asked)
-        if known is None or abs(self.asked - known) > _SAME_K:
-            raise InputError(
-                "says nothing of temperature: it has neither constants at several temperatures nor the effect "
-                "thermal-softening",
-                file=self.name,
-                key="temperatures",
-                remedy="fit tests at several temperatures, or leave --temperature out",
-            )
-        return self.document.constants(direction)
+        return self.document.constants(direction, self.asked)
 
     def material(self, direction: str | None = None) -> Material:
         """Return the law along ``direction`` at the temperature asked for, with the terms of ``elastic-law``."""
@@ -134,6 +121,11 @@ class FabricDocument:
         if self.temperature is None:
             return
         known, then = self.known, "extrapolated"
+        if not known and self._softening() is None:
+            job.console.warn(
+                f"{self.name} says nothing of temperature: its constants are taken as they stand at "
+                f"{self.temperature:.4g} degC"
+            )
         if self.held_at is not None:
             then = f"the constants of {self.held_at:.4g} degC are taken"
         job.ranges.used(
@@ -161,10 +153,6 @@ class FabricDocument:
             known += [row.temperature_degC for row in part.temperatures or ()]
             known += [t for test in (part.tested or {}).values() for t in test.temperature_degC or ()]
         return known
-
-    def _table(self, direction: str | None) -> list[AtTemperature] | None:
-        of = self.document.directions
-        return self.document.temperatures if of is None or direction is None else of[direction].temperatures
 
     def _softening(self) -> tuple[str, Mapping[str, Any]] | None:
         """Return the effect thermal-softening and its key, where a temperature is asked for."""

@@ -47,7 +47,7 @@ class Fabric:
 def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
     """Read a material document and make a sheet's law of it, at a temperature [degC] where given.
 
-    Raises InputError where the document is wrong, or says nothing of temperature.
+    Raises InputError where the document is wrong.
     """
     read = read_fabric_document(job, name, degrees)
     read.used_at(job)

@@ -192,9 +192,10 @@ def test_constants_at_temperatures_are_interpolated(made, job):
     np.testing.assert_allclose(warm.stress, same.stress, rtol=1e-12)
 
 
-def test_a_document_without_temperature_refuses_one(made, job):
-    with pytest.raises(InputError, match="nothing of temperature"):
-        _fabric(job, made, 50.0)
+def test_constants_of_one_temperature_or_none_hold_as_they_stand(made, job):
+    own = _fabric(job, made).law(STRAIN)
+    for known in ({}, {"temperature_degC": 23.0}):
+        np.testing.assert_array_equal(_fabric(job, made, 50.0, **known).law(STRAIN).stress, own.stress)
 
 
 def test_effects_that_a_sheet_cannot_obey_are_left_out_with_the_reason(made, job):

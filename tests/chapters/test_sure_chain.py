@@ -174,7 +174,7 @@ def test_heat_of_both_molds_against_the_chain_run_anew(more: tuple[str, ...]) ->
         for name in ("force_N", "gap_mean_mm", "pressure_max_MPa"):
             variance[name] = variance.get(name, 0.0) + (0.5 * (ends[0][name] - ends[1][name])) ** 2
     for name, total in variance.items():
-        # Of molds set hot the least gap is given, and the largest pressure with it: what is left, below 1e-7, is rounding.
+        # Of molds set hot the least gap is given, and the largest pressure with it: below 1e-7 is rounding.
         if total > (1e-7 * ends[0][name]) ** 2:
             assert found[name]["sd"] == pytest.approx(np.sqrt(total), rel=0.02), name
     named = {share["source"] for share in found["gap_mean_mm"]["budget"]}

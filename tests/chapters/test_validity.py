@@ -80,6 +80,23 @@ def test_a_temperature_beyond_the_tests_is_computed_told_in_one_line_and_refused
     assert at.get("constants_degC") == {"200degC": 105.3, "1500degC": 105.3, "-40degC": 22.4}.get(str(asked))
 
 
+@pytest.mark.parametrize("command", [DRAPE, EXPORT], ids=lambda words: words[0])
+@pytest.mark.parametrize("known", [None, 23.0])
+def test_a_fabric_of_one_temperature_or_none_is_computed_at_another_and_that_is_told(
+    hf: Run, shop: Path, command: tuple[str, ...], known: float | None
+) -> None:
+    own = {"temperatures": None, "tested": None, "temperature_degC": known}
+    (shop / "fabric.json").write_text(json.dumps({k: v for k, v in document(**own).items() if v is not None}))
+    done = hf(*command, "--temperature", "190degC", "--strict", cwd=shop)
+    assert done.returncode == (0 if known is None else 1), done.stderr.decode()
+    told = "says nothing of temperature" if known is None else "the constants of 23 degC are taken"
+    assert done.stderr.decode().count(told) == 1
+    if command is DRAPE:
+        entry = next(one for one in json.loads(done.stdout)["validity"] if one["of"] == "temperature_degC")
+        assert entry["used"] == [190.0, 190.0]
+        assert entry.get("known") == (None if known is None else [known, known])
+
+
 @pytest.mark.parametrize("command", [CONTACT, DRAPE], ids=lambda words: words[0])
 @pytest.mark.parametrize("tested", [None, 1.01, 1.8])
 def test_a_stretch_beyond_the_tests_is_told_and_refused_by_strict(
