@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.pressing.curved import barycentric
 from hyperfab.surface import Surface
 
 #: Ends of the edges whose middles are nodes 4 to 9.
@@ -86,13 +87,7 @@ def at_boundary(mesh: TetraMesh, faces: Ints, values: Array, places: Array) -> t
     """Return nodal ``values`` (n, ...) at the boundary points nearest to ``places`` (k, 3), and the distances (k,)."""
     surface = Surface(mesh.points, faces[:, :3])
     near = surface.nearest(places)
-    corners = mesh.points[faces[near.face][:, :3]]
-    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    normal = np.cross(b - a, c - a)
-    double = (normal * normal).sum(axis=1)
-    wb = (np.cross(near.point - a, c - a) * normal).sum(axis=1) / double
-    wc = (np.cross(b - a, near.point - a) * normal).sum(axis=1) / double
-    w = np.stack([1.0 - wb - wc, wb, wc], axis=1)
+    w = barycentric(surface, near.face, near.point)
     weights = np.concatenate([w * (2.0 * w - 1.0), 4.0 * w * np.roll(w, -1, axis=1)], axis=1)
     return np.einsum("ka,ka...->k...", weights, values[faces[near.face]]), np.abs(near.distance)
 

@@ -40,6 +40,7 @@ from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
 from hyperfab.loop.press_table import press_table
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
+from hyperfab.pressing.curved import barycentric
 from hyperfab.surface import Surface
 
 _KINDS: dict[str, Kind] = {
@@ -334,14 +335,8 @@ def on_front(front: Surface, places: Array, reading: Reading) -> tuple[np.ndarra
             file=reading.name,
             remedy="give places on the male, in the coordinates of its STL",
         )
-    corners = front.faces[near.face]
-    a, b, c = (front.vertices[corners[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    area = np.sum(normal**2, axis=1)
-    one = np.sum(np.cross(b - near.point, c - near.point) * normal, axis=1) / area
-    two = np.sum(np.cross(c - near.point, a - near.point) * normal, axis=1) / area
-    weights = np.clip(np.stack([one, two, 1.0 - one - two], axis=1), 0.0, 1.0)
-    return corners, weights / weights.sum(axis=1, keepdims=True)
+    weights = barycentric(front, near.face, near.point)
+    return front.faces[near.face], weights / weights.sum(axis=1, keepdims=True)
 
 
 def noise_of(
