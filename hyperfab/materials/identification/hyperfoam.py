@@ -11,6 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, Rows
+from hyperfab.materials.identification.linear import least_in_box
 
 #: Stresses over the largest one measured, at most.
 _MU = 30.0
@@ -108,43 +109,24 @@ class _Sought:
 
     def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
         """Return the optimum near a start, and half its square sum."""
-        from scipy.optimize import least_squares  # 0.3 s to load: only a fit of foam needs it
-
         # A single term below zero is no foam.
         bounds = (-_MU if signed and self.terms > 1 else 0.0, ALPHAS[0], RATIOS[0] if signed else 0.0)
         least = np.repeat(bounds, self.terms)
         most = np.repeat([_MU, ALPHAS[1], RATIOS[1]], self.terms)
-        last: dict[bytes, tuple[Array, Array]] = {}
-
-        def both(z: Array) -> tuple[Array, Array]:
-            if z.tobytes() not in last:
-                last.clear()
-                error, slope = self.equations(self.law(z))
-                last[z.tobytes()] = np.nan_to_num(np.clip(error, -1e6, 1e6), nan=1e6), np.nan_to_num(slope)
-            return last[z.tobytes()]
-
-        with np.errstate(all="ignore"):
-            found = least_squares(
-                lambda z: both(z)[0],
-                np.clip(start, least + 1e-9, most - 1e-9),
-                jac=lambda z: both(z)[1],
-                bounds=(least, most),
-                x_scale=np.repeat([0.3, 5.0, 0.1], self.terms),
-                xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=steps,
-            )  # fmt: skip
-        return float(found.cost), self.law(found.x)
+        inside = np.clip(start, least + 1e-9, most - 1e-9)
+        scale = np.repeat([0.3, 5.0, 0.1], self.terms)
+        found, cost = least_in_box(lambda z: self.equations(self.law(z)), inside, (least, most), steps, scale)
+        return cost, self.law(found)
 
     def stresses(self, near: Hyperfoam) -> Hyperfoam:
         """Return ``near`` with stresses of least squares, each at least zero where it was above zero."""
-        from scipy.optimize import least_squares
-
         positive = min(near.mu) >= 0.0
         least = np.full(self.terms, 0.0 if positive else -_MU)
         kept = self.vector(near)[self.terms :]
 
-        def both(z: Array) -> tuple[Array, Array]:
+        def equations(z: Array) -> tuple[Array, Array]:
             error, slope = self.equations(self.law(np.concatenate([z, kept])))
-            return np.nan_to_num(error, nan=1e6), np.nan_to_num(slope[:, : self.terms])
+            return error, slope[:, : self.terms]
 
         # All stresses times one factor leave the strains as they are: that factor first.
         model = np.concatenate(
@@ -155,12 +137,9 @@ class _Sought:
         )
         there = np.concatenate([one.weights * one.stress for one in self.tests])
         start = max(float(model @ there / (model @ model)), 1e-6) * np.asarray(near.mu) / self.scale
-        with np.errstate(all="ignore"):
-            found = least_squares(
-                lambda z: both(z)[0], np.clip(start, least + 1e-12, _MU - 1e-9), jac=lambda z: both(z)[1],
-                bounds=(least, np.full(self.terms, _MU)), xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=200,
-            )  # fmt: skip
-        law = self.law(np.concatenate([found.x, kept]))
+        inside = np.clip(start, least + 1e-12, _MU - 1e-9)
+        found, _ = least_in_box(equations, inside, (least, np.full(self.terms, _MU)), 200)
+        law = self.law(np.concatenate([found, kept]))
         return law if positive or self.stable(law) else self.law(np.concatenate([start, kept]))
 
     def stable(self, law: Hyperfoam) -> bool:

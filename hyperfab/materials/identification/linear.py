@@ -1,10 +1,13 @@
-"""Least squares with scaled columns: alone, for a stack of matrices, and with constants of a given sign."""
+"""Least squares with scaled columns: alone, for a stack of matrices, with constants of a given sign; and of curved
+equations in a box."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hyperfab.materials.kinematics import Array
 
@@ -70,3 +73,40 @@ def nonnegative(A: Array, b: Array) -> Array:
     length = np.sqrt((A * A).sum(axis=0))
     length = np.where(length > 0.0, length, 1.0)
     return np.asarray(nnls(A / length, b, maxiter=100 * A.shape[1])[0] / length)
+
+
+def least_in_box(
+    equations: Callable[[Array], tuple[Array, Array]],
+    start: Array,
+    bounds: tuple[Array, Array],
+    steps: int,
+    scale: ArrayLike | str = 1.0,
+    gain: float = 1e-15,
+) -> tuple[Array, float]:
+    """Return where the square sum of curved ``equations`` is least near a ``start`` (k,) inside a box, and half of it.
+
+    ``equations`` returns errors (n,) and their derivatives (n, k) at a place; what is not finite there counts as far
+    off. ``scale`` are the sizes of natural steps, ``jac`` those that the derivatives tell; it ends where a step lowers
+    the sum by less than a share ``gain``.
+
+    >>> box = np.zeros(1), np.full(1, 9.0)
+    >>> least_in_box(lambda z: (z**2 - 2.0, np.diag(2.0 * z)), np.ones(1), box, 50)[0].round(9)
+    array([1.41421356])
+    """
+    from scipy.optimize import least_squares  # 0.3 s to load: only fits of foams and whole sheets need it
+
+    last: dict[bytes, tuple[Array, Array]] = {}
+
+    def both(z: Array) -> tuple[Array, Array]:
+        if z.tobytes() not in last:
+            last.clear()
+            error, slope = equations(z)
+            last[z.tobytes()] = np.nan_to_num(np.clip(error, -1e6, 1e6), nan=1e6), np.nan_to_num(slope)
+        return last[z.tobytes()]
+
+    with np.errstate(all="ignore"):
+        found = least_squares(
+            lambda z: both(z)[0], start, jac=lambda z: both(z)[1], bounds=bounds, x_scale=scale,
+            xtol=1e-15, ftol=gain, gtol=1e-15, max_nfev=steps,
+        )  # fmt: skip
+    return found.x, float(found.cost)

@@ -18,11 +18,12 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 
 import numpy as np
-from scipy.optimize import least_squares, nnls
+from scipy.optimize import nnls
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
+from hyperfab.materials.identification.linear import least_in_box
 from hyperfab.materials.identification.scatter import Weighed
 from hyperfab.materials.orthotropic.determined import Unknown, sought_by
 from hyperfab.materials.orthotropic.energy import LINEAR, NAMES, Orthotropic
@@ -179,27 +180,7 @@ class _Free:
         low, high = self.bounds
         inside = np.clip(z, low + 1e-9, np.where(np.isfinite(high), high - 1e-9, high))
         rows = Gathered.of(tests)
-        last: dict[bytes, tuple[Array, Array]] = {}
-
-        def both(z: Array) -> tuple[Array, Array]:
-            if z.tobytes() not in last:
-                last.clear()
-                last[z.tobytes()] = self.equations(rows, z)
-            return last[z.tobytes()]
-
-        with np.errstate(all="ignore"):
-            found = least_squares(
-                lambda z: np.nan_to_num(both(z)[0], nan=1e6, posinf=1e6, neginf=-1e6),
-                inside,
-                jac=lambda z: np.nan_to_num(both(z)[1]),
-                bounds=(low, high),
-                x_scale="jac",
-                xtol=1e-15,
-                ftol=1e-14,
-                gtol=1e-15,
-                max_nfev=steps,
-            )
-        return found.x, float(found.cost)
+        return least_in_box(lambda z: self.equations(rows, z), inside, (low, high), steps, "jac", 1e-14)
 
     def settled(self, tests: Sequence[TestCurve], z: Array) -> tuple[Array, _Free]:
         """Return the optimum on all rows, without the stresses that vanish there."""
