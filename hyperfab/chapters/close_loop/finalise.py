@@ -6,6 +6,7 @@ import os
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,7 +38,6 @@ from hyperfab.loop.problem import Problem
 
 #: Files the extended model may have beside it.
 MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")
-_REFITS = 40.0
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def finish(
     job.console.warn(*warnings)
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
-        tick = ticking(advance, 0.3, _REFITS)
+        tick = ticking(advance, 0.3)
         misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
         problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
         domain = stated_kind(given.data)
@@ -140,7 +140,9 @@ def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocum
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 
-def ticking(advance: Callable[[float, str], None], begun: float, refits: float) -> Callable[[str], None]:
+def ticking(
+    advance: Callable[[float, str], None], begun: float, refits: float = 40.0
+) -> Callable[[str], None]:
     """Return what moves the progress line on with every refit, from the share ``begun``: of about ``refits`` in all."""
     count = 0
 
@@ -167,35 +169,27 @@ def close_rounds(
     design: bool = True,
     misses: Callable[[Problem], Callable[[Fit], float]] | None = None,
 ) -> tuple[Problem, Finding]:
-    """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it."""
-    found = close_anew(problem, noise, tick, design, misses)
+    """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
+
+    Each time once more where what the model leaves between neighbours shows the noise to be less: where a field is
+    steep, neighbours differ by more than the noise until the model tells why.
+    """
+
+    def anew(posed: Problem) -> Finding:
+        apart = None if misses is None else misses(posed)
+        closed = partial(close, posed, tick=tick, design=design, apart=apart)
+        level = noise(posed, None)
+        found = closed(noise=level)
+        less = noise(posed, found.after.fit.predicted)
+        return closed(noise=less) if np.any(less.sd < 0.85 * level.sd) else found
+
+    found = anew(problem)
     for _ in range(2):
         again = rounds(problem, found)
         if again is None:
             break
-        problem = again
-        found = close_anew(problem, noise, tick, design, misses)
+        problem, found = again, anew(again)
     return problem, found
-
-
-def close_anew(
-    problem: Problem,
-    noise: Callable[[Problem, Array | None], Noise],
-    tick: Callable[[str], None] = lambda text: None,
-    design: bool = True,
-    misses: Callable[[Problem], Callable[[Fit], float]] | None = None,
-) -> Finding:
-    """Close the loop; once more where what the model leaves between neighbours shows the noise to be less.
-
-    Where a field is steep, neighbours differ by more than the noise until the model tells why.
-    """
-    level = noise(problem, None)
-    apart = None if misses is None else misses(problem)
-    found = close(problem, noise=level, tick=tick, design=design, apart=apart)
-    less = noise(problem, found.after.fit.predicted)
-    if np.any(less.sd < 0.85 * level.sd):
-        found = close(problem, noise=less, tick=tick, design=design, apart=apart)
-    return found
 
 
 def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, care: str) -> None:

@@ -36,7 +36,6 @@ from hyperfab.thermal.tables import Table
 
 #: Conductance that counts as a perfect joint [W/m^2/K].
 PERFECT = 1e7
-_REFITS = 40.0
 
 
 def run(job: Job, given: Given) -> int:
@@ -78,7 +77,7 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
-        found = close(problem, noise=level, tick=ticking(advance, 0.2, _REFITS))
+        found = close(problem, noise=level, tick=ticking(advance, 0.2))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
     result = describe(problem, found, "K", left_out, [], domain="heat")
     fit = found.after.fit
