@@ -109,9 +109,8 @@ class Placing:
             exposed &= ~mask
         self.exposed = exposed
         by_key = dict(explicit)
-        conditions: list[Condition] = []
-        for number, heater in enumerate(document.heater):
-            conditions.append(self._heater(number, heater, by_key))
+        heaters = enumerate(document.heater)
+        conditions: list[Condition] = [self._heater(number, heater, by_key) for number, heater in heaters]
         for number, convection in enumerate(document.convection):
             key = f"convection.{number}.on"
             film, ambient = self.functions[f"convection.{number}"], self.functions[f"{key[:-3]}.ambient"]

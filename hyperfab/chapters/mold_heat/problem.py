@@ -237,13 +237,10 @@ class MoldBuilder:
         document, found = self.document, {}
         for i, convection in enumerate(document.convection):
             found[f"convection.{i}"] = self.tables.function(convection.h, "film-coefficient")
-        timed: dict[str, Table] = {}
-        for i, held in enumerate(document.temperature):
-            timed[f"temperature.{i}"] = self.tables.function(held.value, "temperature", "time")
-        for i, film in enumerate(document.convection):
-            timed[f"convection.{i}.ambient"] = self.tables.function(film.ambient, "temperature", "time")
-        for i, radiation in enumerate(document.radiation):
-            timed[f"radiation.{i}.ambient"] = self.tables.function(radiation.ambient, "temperature", "time")
+        around = {f"temperature.{i}": held.value for i, held in enumerate(document.temperature)}
+        around |= {f"convection.{i}.ambient": film.ambient for i, film in enumerate(document.convection)}
+        around |= {f"radiation.{i}.ambient": face.ambient for i, face in enumerate(document.radiation)}
+        timed = {key: self.tables.function(own, "temperature", "time") for key, own in around.items()}
         for i, heater in enumerate(document.heater):
             if heater.schedule is not None:
                 timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")
