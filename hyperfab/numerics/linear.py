@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -71,34 +72,18 @@ class SuperLUFactor:
         return int((pivots < -noise * float(np.median(np.abs(pivots)))).sum())
 
 
-class _Definite:
-    """Cholesky's factor behind the door."""
+@dataclass
+class _Behind:
+    """Cholesky's factor behind the door, or PARDISO's, of a matrix that is not symmetric and not asked for pivots."""
 
-    name = "Cholesky by fronts"
-
-    def __init__(self, factor: CholeskyFactor) -> None:
-        self._factor = factor
+    name: str
+    factor: CholeskyFactor | pardiso.PardisoFactor
 
     def solve(self, right: Array) -> Array:
-        return _finite(self._factor.solve(right))
+        return _finite(self.factor.solve(right))
 
     def negative_pivots(self, noise: float = 0.0) -> int:
         return 0
-
-
-class _Pardiso:
-    """PARDISO's factor behind the door, for matrices that are not symmetric."""
-
-    name = "PARDISO"
-
-    def __init__(self, factor: pardiso.PardisoFactor) -> None:
-        self._factor = factor
-
-    def solve(self, right: Array) -> Array:
-        return _finite(self._factor.solve(right))
-
-    def negative_pivots(self, noise: float = 0.0) -> int:
-        raise NotImplementedError("a matrix that is not symmetric")
 
 
 class DirectSolver:
@@ -122,12 +107,12 @@ class DirectSolver:
     def _factor(self, matrix: sparse.csc_matrix, symmetric: bool) -> Factor:
         if symmetric and self._plan is not None:
             try:
-                return _Definite(CholeskyFactor(self._plan(), matrix.data))
+                return _Behind("Cholesky by fronts", CholeskyFactor(self._plan(), matrix.data))
             except NotPositiveDefiniteError:
                 pass
         if not symmetric and pardiso.installed():
             try:
-                return _Pardiso(self._pardiso.factorise(matrix))
+                return _Behind("PARDISO", self._pardiso.factorise(matrix))
             except pardiso.PardisoError as error:
                 raise SingularMatrixError(str(error)) from error
         return SuperLUFactor(matrix)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import sparse
 
@@ -22,14 +24,8 @@ def product(matrix: sparse.csr_matrix, x: Array) -> Array:
     """
     if matrix.nnz < 2 * ENTRIES:
         return np.asarray(matrix @ x)
-    y, rows = np.empty(matrix.shape[0]), matrix.shape[0]
-
-    starts, columns = _unsigned(matrix)
-
-    def work(first: int, last: int) -> None:
-        _rows(starts, columns, matrix.data, x, y, first, last)
-
-    in_blocks(work, rows, _rows_of_a_block(matrix))
+    y = np.empty(matrix.shape[0])
+    _in_blocks_of_rows(matrix, _rows, x, y)
     return y
 
 
@@ -41,12 +37,7 @@ def remainder(matrix: sparse.csr_matrix, x: Array, right: Array) -> Array:
     array([0., 1.])
     """
     rest = np.empty(len(right))
-    starts, columns = _unsigned(matrix)
-
-    def work(first: int, last: int) -> None:
-        _remainders(starts, columns, matrix.data, x, right, rest, first, last)
-
-    in_blocks(work, len(right), _rows_of_a_block(matrix))
+    _in_blocks_of_rows(matrix, _remainders, x, right, rest)
     return rest
 
 
@@ -58,12 +49,7 @@ def relax(
     A step of a smoother with memory (Chebyshev's), the residual of each row used as soon as it is known.
     """
     after = np.empty(len(right))
-    starts, columns = _unsigned(matrix)
-
-    def work(first: int, last: int) -> None:
-        _relax(starts, columns, matrix.data, x, right, weights, change, keep, after, first, last)
-
-    in_blocks(work, len(right), _rows_of_a_block(matrix))
+    _in_blocks_of_rows(matrix, _relax, x, right, weights, change, keep, after)
     return after
 
 
@@ -85,14 +71,15 @@ def advance(alpha: float, p: Array, q: Array, x: Array, r: Array) -> None:
     in_blocks(lambda first, last: _advance(alpha, p, q, x, r, first, last), len(x), NUMBERS)
 
 
-def _rows_of_a_block(matrix: sparse.csr_matrix) -> int:
-    return max(1, matrix.shape[0] * ENTRIES // max(1, matrix.nnz))
+def _in_blocks_of_rows(matrix: sparse.csr_matrix, work: Callable[..., None], *given: Array | float) -> None:
+    """Call ``work`` with a matrix and what else is ``given`` for the first and last row of each block.
 
-
-def _unsigned(matrix: sparse.csr_matrix) -> tuple[Ints, Ints]:
-    """Return where the rows begin and their columns, as unsigned numbers: numba asks no sign, a fourth of the time."""
+    Where rows begin, and their columns, are unsigned numbers: numba asks no sign, a fourth of the time.
+    """
     kind = np.uint32 if matrix.indices.itemsize == 4 else np.uint64
-    return matrix.indptr.view(kind), matrix.indices.view(kind)
+    arrays = matrix.indptr.view(kind), matrix.indices.view(kind), matrix.data
+    rows = max(1, matrix.shape[0] * ENTRIES // max(1, matrix.nnz))
+    in_blocks(lambda first, last: work(*arrays, *given, first, last), matrix.shape[0], rows)
 
 
 @kernel
