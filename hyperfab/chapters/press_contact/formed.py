@@ -121,7 +121,7 @@ def part_of(found: Formed, closed: Closed, places: Array) -> FormedPart:
         thickness_min_mm=float(thickness[there].min()),
         thickness_mean_mm=float(np.average(thickness, weights=area)),
         thickness_max_mm=float(thickness[there].max()),
-        thinnest_at_mm=_place(places, int(there[np.argmin(thickness[there])])),
+        thinnest_at_mm=place(places[int(there[np.argmin(thickness[there])])]),
         springback_mean_mm=float(np.average(back[pressed], weights=weights)) if pressed.any() else 0.0,
         springback_max_mm=float(back[pressed].max()) if pressed.any() else 0.0,
         set=SetPart(
@@ -183,15 +183,16 @@ class Wanted:
             wanted_min_mm=float(wanted[there].min()),
             wanted_max_mm=float(wanted[there].max()),
             worst_mm=float(off[worst]),
-            worst_at_mm=_place(frame.outward(closed.cold), worst),
+            worst_at_mm=place(frame.outward(closed.cold)[worst]),
             rms_mm=float(np.sqrt(np.average(off**2, weights=area))),
             tolerance_mm=self.within,
             outside_area_fraction=float(area[np.abs(off) > self.within].sum() / area.sum()),
         )
 
 
-def _place(places: Array, index: int) -> tuple[float, float, float]:
-    x, y, z = (float(value) + 0.0 for value in places[index])  # no negative zeros
+def place(point: Array) -> tuple[float, float, float]:
+    """Return a point (3,) as a document tells it, without negative zeros."""
+    x, y, z = (float(value) + 0.0 for value in point)
     return x, y, z
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.press_contact.formed import Formed, Wanted
+from hyperfab.chapters.press_contact.formed import Formed, Wanted, place
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.heat import ThermalDisplacement
 from hyperfab.chapters.press_contact.model import Foam, Model
@@ -136,7 +136,7 @@ def document_of(told: PressResult) -> PressDocument:
         gap_min_mm=float(contact.gap[lowest]),
         gap_mean_mm=float(np.average(contact.gap, weights=area)),
         gap_max_mm=float(contact.gap[molded].max()),
-        gap_min_at_mm=_place(frame, closed.cold[lowest]),
+        gap_min_at_mm=place(frame.outward(closed.cold[lowest])),
         gap_normal=_gap_range(closed.normal, area),
         gap_axial=_gap_range(closed.axial, area),
         contact_area_mm2=touching,
@@ -150,7 +150,7 @@ def document_of(told: PressResult) -> PressDocument:
         pressure_mean_MPa=on_touching / touching if touching > 0.0 else 0.0,
         stroke_mm=closed.stroke,
         tilt_deg=float(np.degrees(closed.pose.angle)),
-        tilt_vector_deg=None if told.guided else _place(frame, np.degrees([*closed.pose.tilt, 0.0])),
+        tilt_vector_deg=None if told.guided else place(frame.outward(np.degrees([*closed.pose.tilt, 0.0]))),
         centre_of_pressure_mm=_centre_of_pressure(told),
         energy_J=1e-3 * contact.energy,
         regions=[
@@ -158,7 +158,9 @@ def document_of(told: PressResult) -> PressDocument:
                 contact=region.contact,
                 area_mm2=region.area,
                 # Regions are found on the hot male; their place is told on the drawing.
-                centroid_mm=_place(frame, region.centroid + shift[_nearest(front.vertices, region.centroid)]),
+                centroid_mm=place(
+                    frame.outward(region.centroid + shift[_nearest(front.vertices, region.centroid)])
+                ),
                 gap_mean_mm=region.gap,
                 pressure_mean_MPa=region.pressure,
                 force_N=region.load,
@@ -171,7 +173,7 @@ def document_of(told: PressResult) -> PressDocument:
         clearance_to_set_mm=_to_set(closed),
         clearance_drawn_mm=closed.datum.gap,
         clearance_hot_mm=closed.clearance_hot,
-        datum_mm=_place(frame, closed.datum.at),
+        datum_mm=place(frame.outward(closed.datum.at)),
         zero="hot" if closed.case.zero_hot else "cold",
         axis=f"{frame.axis}{_SIGNS[frame.sign]}",
         reference_temperature_degC=told.reference,
@@ -209,7 +211,7 @@ def _centre_of_pressure(told: PressResult) -> tuple[float, float, float] | None:
     height = float(np.average(told.closed.front.vertices[:, 2], weights=contact.pressure))
     x, y, z = contact.force
     across = ((height * x - contact.moment[1]) / z, (contact.moment[0] + height * y) / z)
-    return _place(told.frame, np.array([*across, height]))
+    return place(told.frame.outward(np.array([*across, height])))
 
 
 def _to_set(closed: Closed) -> float | None:
@@ -295,11 +297,6 @@ def _bearing_area_ratio(closed: Closed) -> float | None:
     a, b, c = (feet[front.faces[:, k]] for k in range(3))
     across = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return float((across * contact.pressure[front.faces].mean(axis=1)).sum() / load)
-
-
-def _place(frame: PressFrame, point: Array) -> tuple[float, float, float]:
-    x, y, z = (float(value) + 0.0 for value in frame.outward(point))  # no negative zeros
-    return x, y, z
 
 
 def _nearest(vertices: Array, point: Array) -> int:
