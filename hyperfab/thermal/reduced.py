@@ -88,21 +88,14 @@ class ReducedMold:
         knots = np.concatenate([face.film.x for face in faces])
         values = np.concatenate([face.film.y for face in faces])
         first = np.concatenate([[0], np.cumsum([len(face.film.x) for face in faces])])
-        sources = (
-            np.stack([shape for shape, _ in self.heaters]) if self.heaters else np.zeros((0, len(self.start)))
-        )
-        powers = (
-            np.stack([table(stages) for _, table in self.heaters], axis=2)
-            if self.heaters
-            else np.zeros((*stages.shape, 0))
-        )
-        jumps = (
-            np.stack([jump for jump, _ in self.joints]) if self.joints else np.zeros((0, *self.mass[0].shape))
-        )
-        closed = (
-            np.stack([table(stages) for _, table in self.joints], axis=2)
-            if self.joints
-            else np.zeros((*stages.shape, 0))
+        sources = np.array([shape for shape, _ in self.heaters]).reshape(-1, len(self.start))
+        jumps = np.array([jump for jump, _ in self.joints]).reshape(-1, *self.mass[0].shape)
+        powers, closed = (
+            np.array([table(stages) for _, table in each])
+            .reshape(-1, *stages.shape)
+            .transpose(1, 2, 0)
+            .copy()
+            for each in (self.heaters, self.joints)
         )
         emits = np.array([face.emissivity for face in faces])
         found = np.empty((len(settings.film), len(times), len(self.probes)))
