@@ -41,5 +41,17 @@ class Convection:
     def tangent(self, time: float, temperature: Array) -> Array:
         """Return minus the derivative of the flow; a film that falls steeply counts as insulated, never negative."""
         at = self.facets.at_points(temperature)
-        rate = self.film(at) + self.film.slope(at) * (at - self.ambient.at(time))
-        return self.facets.matrices(np.maximum(rate, 0.0))
+        return self.facets.matrices(np.maximum(self.rates(at, self.ambient.at(time))[0], 0.0))
+
+    def lost(self, at: Array, ambient: float) -> Array:
+        """Return the heat lost per area [W/m^2] at surface temperatures ``at`` [degC]."""
+        return np.asarray(self.film(at) * (at - ambient))
+
+    def rates(self, at: Array, ambient: float) -> tuple[Array, Array]:
+        """Return its derivative by the surface's temperature, and minus that by the ambient's ``level``."""
+        film = self.film(at)
+        return film + self.film.slope(at) * (at - ambient), film
+
+    def level(self, ambient: float) -> float:
+        """Return what of the surroundings the loss is straight in: their temperature."""
+        return ambient

@@ -21,7 +21,7 @@ from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedMedium, ProjectedModel
-from hyperfab.thermal.projected_condition import Face, Together, scaled
+from hyperfab.thermal.projected_condition import Face, Together, scaled, warmer
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import State, initial_state, take_step
 from hyperfab.thermal.tables import Table
@@ -219,7 +219,7 @@ class Neighbourhood:
             for number, kelvin in change.ambient.items():
                 condition = model.conditions[number]
                 assert isinstance(condition, Convection | Radiation)
-                load += _warmed(condition, kelvin).flow(time, at) - condition.flow(time, at)
+                load += warmer(condition, kelvin).flow(time, at) - condition.flow(time, at)
             for number in change.film:
                 load += _spread(model, number).flow(time, at)
             for name in change.conductivity:
@@ -254,13 +254,6 @@ def _spread(model: HeatModel, number: int) -> Convection:
     film = model.conditions[number]
     assert isinstance(film, Convection)
     return Convection(film.name, film.facets, film.film.spread, film.ambient)
-
-
-def _warmed(condition: Convection | Radiation, kelvin: float) -> Convection | Radiation:
-    ambient = Table(condition.ambient.x, condition.ambient.y + kelvin)
-    if isinstance(condition, Convection):
-        return Convection(condition.name, condition.facets, condition.film, ambient)
-    return Radiation(condition.name, condition.facets, condition.emissivity, ambient)
 
 
 def _of_material(model: HeatModel, name: str) -> Medium:

@@ -18,7 +18,7 @@ from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import Alike
-from hyperfab.thermal.radiation import SIGMA, ZERO_CELSIUS, Radiation, fourth_power
+from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
@@ -108,7 +108,8 @@ class Face:
         self._at = condition.ambient.at(time)
         facets = condition.facets
         basis, origin = lift.basis[facets.all_nodes], lift.origin[facets.all_nodes]
-        loss, rate, cooling = _loss(condition, facets.at_points(lift.origin), self._at)
+        there = facets.at_points(lift.origin)
+        loss, (rate, cooling) = condition.lost(there, self._at), condition.rates(there, self._at)
         self._flow = -(facets.own_load(loss) @ basis)
         self._matrix = basis.T @ (facets.own_matrix(rate) @ basis)
         self._air = facets.own_load(cooling) @ basis
@@ -116,27 +117,24 @@ class Face:
         means, weights = facets.means(chosen)
         rows, origin = means @ basis, means @ origin
         self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
-        self._base = _loss(condition, origin, self._at)
+        self._base = condition.lost(origin, self._at), *condition.rates(origin, self._at)
 
     def warmer(self, by: float) -> Face:
         """Return the face with its surroundings warmer by so much [K]."""
-        found, condition = copy.copy(self), copy.copy(self.condition)
-        condition.ambient = Table(condition.ambient.x, condition.ambient.y + by)
-        found.condition = condition
+        found = copy.copy(self)
+        found.condition = warmer(self.condition, by)
         return found
 
     def flow(self, time: float, coordinates: Array) -> Array:
         """Return the heat flow into each basis vector (r,) [W]."""
         ambient = self.condition.ambient.at(time)
-        found = (
-            self._flow - self._matrix @ coordinates + _warmer(self.condition, self._at, ambient) * self._air
-        )
+        warmer = self.condition.level(ambient) - self.condition.level(self._at)
+        found = self._flow - self._matrix @ coordinates + warmer * self._air
         if len(self._origin):
             away = self._rows @ coordinates
             loss, rate, cooling = self._base
-            now = _lost(self.condition, self._origin + away, ambient)
-            linear = loss + rate * away - _warmer(self.condition, self._at, ambient) * cooling
-            found -= (now - linear) @ self._weighted
+            now = self.condition.lost(self._origin + away, ambient)
+            found -= (now - (loss + rate * away - warmer * cooling)) @ self._weighted
         return found
 
     def tangent(self, time: float, coordinates: Array) -> Array:
@@ -144,35 +142,15 @@ class Face:
         if len(self._origin) == 0:
             return self._matrix
         at = self._origin + self._rows @ coordinates
-        _, rate, _ = _loss(self.condition, at, self.condition.ambient.at(time))
+        rate, _ = self.condition.rates(at, self.condition.ambient.at(time))
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
 
 
-def _lost(condition: Convection | Radiation, at: Array, ambient: float) -> Array:
-    """Return the heat lost per area at surface temperatures."""
-    if isinstance(condition, Convection):
-        return np.asarray(condition.film(at) * (at - ambient))
-    hot = np.maximum(at + ZERO_CELSIUS, 0.0)
-    grey = condition.emissivity * SIGMA
-    return np.asarray(grey * (fourth_power(hot) - fourth_power(ambient + ZERO_CELSIUS)))
-
-
-def _loss(condition: Convection | Radiation, at: Array, ambient: float) -> tuple[Array, Array, Array]:
-    """Return the heat lost per area at surface temperatures, its rate by them, and by the ambient's ``_warmer``."""
-    if isinstance(condition, Convection):
-        film = condition.film(at)
-        return film * (at - ambient), film + condition.film.slope(at) * (at - ambient), film
-    hot = np.maximum(at + ZERO_CELSIUS, 0.0)
-    grey = condition.emissivity * SIGMA
-    loss = grey * (fourth_power(hot) - fourth_power(ambient + ZERO_CELSIUS))
-    return loss, 4.0 * grey * (hot * hot * hot), np.full_like(at, grey)
-
-
-def _warmer(condition: Convection | Radiation, before: float, now: float) -> float:
-    """Return by how much the surroundings are warmer: in kelvin to a film, in its fourth power to radiation."""
-    if isinstance(condition, Convection):
-        return now - before
-    return fourth_power(now + ZERO_CELSIUS) - fourth_power(before + ZERO_CELSIUS)
+def warmer(condition: Convection | Radiation, by: float) -> Convection | Radiation:
+    """Return a film or a radiating face with its surroundings warmer by so much [K]."""
+    found = copy.copy(condition)
+    found.ambient = Table(condition.ambient.x, condition.ambient.y + by)
+    return found
 
 
 def project(condition: Condition, lift: Lift, time: float) -> Projected | None:

@@ -45,11 +45,22 @@ class Radiation:
 
     def flow(self, time: float, temperature: Array) -> Array:
         """Return the nodal heat flow into the body [W]."""
-        at = np.maximum(self.facets.at_points(temperature) + ZERO_CELSIUS, 0.0)
-        ambient = self.ambient.at(time) + ZERO_CELSIUS
-        return self.facets.load(-self.emissivity * SIGMA * (fourth_power(at) - fourth_power(ambient)))
+        return self.facets.load(-self.lost(self.facets.at_points(temperature), self.ambient.at(time)))
 
     def tangent(self, time: float, temperature: Array) -> Array:
         """Return minus the derivative of the flow, 4 emissivity sigma T^3."""
-        at = np.maximum(self.facets.at_points(temperature) + ZERO_CELSIUS, 0.0)
-        return self.facets.matrices(4.0 * self.emissivity * SIGMA * (at * at * at))
+        return self.facets.matrices(self.rates(self.facets.at_points(temperature), self.ambient.at(time))[0])
+
+    def lost(self, at: Array, ambient: float) -> Array:
+        """Return the heat lost per area [W/m^2] at surface temperatures ``at`` [degC]."""
+        hot = np.maximum(at + ZERO_CELSIUS, 0.0)
+        return np.asarray(self.emissivity * SIGMA * (fourth_power(hot) - self.level(ambient)))
+
+    def rates(self, at: Array, ambient: float) -> tuple[Array, Array]:
+        """Return its derivative by the surface's temperature, and minus that by the ambient's ``level``."""
+        hot, grey = np.maximum(at + ZERO_CELSIUS, 0.0), self.emissivity * SIGMA
+        return 4.0 * grey * (hot * hot * hot), np.full_like(at, grey)
+
+    def level(self, ambient: float) -> float:
+        """Return what of the surroundings the loss is straight in: the fourth power of their temperature [K]."""
+        return fourth_power(ambient + ZERO_CELSIUS)
