@@ -14,8 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.report.drawing import draw_interval, png
-from hyperfab.report.labels import COLOURS
+from hyperfab.report.labels import COLOURS, draw_interval, png
 
 
 @dataclass(frozen=True)

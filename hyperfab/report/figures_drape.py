@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from hyperfab.arrays import Array
-from hyperfab.report.drawing import draw_interval, png
+from hyperfab.report.labels import draw_interval, png
 
 if TYPE_CHECKING:
     from hyperfab.cloth import Answers

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from hyperfab.report.drawing import png
-from hyperfab.report.labels import COLOURS
+from hyperfab.report.labels import COLOURS, png
 
 _COLOURS = (*COLOURS[:6], "#000000")
 _MARKS = "os^Dv<>"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.report.drawing import png
+from hyperfab.report.labels import png
 
 
 def heat_figure(

@@ -12,8 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hyperfab.arrays import Array
-from hyperfab.report.drawing import png
-from hyperfab.report.labels import AFTER, BEFORE, DATA, title, value_names
+from hyperfab.report.labels import AFTER, BEFORE, DATA, png, title, value_names
 
 _MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 #: A state of no more values than this is shown value by value, under its own names.

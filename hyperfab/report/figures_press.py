@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.report.drawing import draw_interval, png
+from hyperfab.report.labels import draw_interval, png
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
 _STEEL = (0.80, 0.81, 0.82)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
-from hyperfab.report.drawing import png
+from hyperfab.report.labels import png
 
 if TYPE_CHECKING:
     from hyperfab.documents.sweep import Effect

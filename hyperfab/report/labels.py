@@ -1,8 +1,11 @@
-"""What people read on axes and in tables, of names that end in their unit; and the colours that mean something."""
+"""What pictures and the page have in common: names that end in their unit as people read them, colours that mean
+something, the bars of an interval, and how a figure becomes a file."""
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
+from typing import Any
 
 #: Orange for the model as it was, blue for the model as it is, grey for what was measured; on paper and on the page.
 BEFORE, AFTER, DATA = "#d55e00", "#0072b2", "#6b7683"
@@ -63,3 +66,25 @@ def value_names(name: str, values: Sequence[float], known: Sequence[str] = ()) -
     """
     names = dict(enumerate(known)) or _VALUES.get(name, {})
     return [names.get(int(v), f"{v:.4g}") if v == int(v) else f"{v:.4g}" for v in values]
+
+
+def png(figure: Any, dpi: float | None = None) -> bytes:
+    """Return a figure as PNG, the same bytes each time."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi or figure.dpi, metadata={"Software": None})
+    return stream.getvalue()
+
+
+def draw_interval(
+    axes: Any,
+    at: tuple[float, float],
+    *,
+    force: tuple[float, float] | None = None,
+    across: tuple[float, float] | None = None,
+    colour: Any,
+) -> None:
+    """Draw bars through the point ``at``, along the interval of its ``force`` and of what is ``across``."""
+    for ends, value, place in ((across, at[0], "xerr"), (force, at[1], "yerr")):
+        if ends is not None:
+            off = [[max(value - ends[0], 0.0)], [max(ends[1] - value, 0.0)]]
+            axes.errorbar(*at, **{place: off}, color=colour, capsize=4, linewidth=1.2)

@@ -1,10 +1,16 @@
-"""Heaters: a power spread evenly over faces or over the volume of a part, by schedule, by thermostat, or constant."""
+"""Heaters: a power spread evenly over faces or over the volume of a part, by schedule, by thermostat, or constant.
+
+A thermostat switches a heater by the temperature of a probe: off at set + band/2, on at set - band/2.
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.tables import Table
 
 
@@ -38,3 +44,27 @@ class Heater:
     def tangent(self, time: float, temperature: Array) -> Array:
         """A heater does not feel the temperature."""
         return np.zeros((0, 1, 1))
+
+
+@dataclass(frozen=True)
+class Thermostat:
+    """``sensor`` (n,) weighs nodal temperatures into the probe's; ``set_point`` [degC], ``band`` [K]."""
+
+    heater: Heater
+    sensor: Array
+    set_point: float
+    band: float
+
+    @property
+    def threshold(self) -> float:
+        """The temperature at which it switches next."""
+        return self.set_point + (0.5 if self.heater.on else -0.5) * self.band
+
+    def excess(self, temperature: Array) -> float:
+        """Return how far the probe is past the switching temperature: >= 0 means switch [K]."""
+        beyond = dot(self.sensor, temperature) - self.threshold
+        return beyond if self.heater.on else -beyond
+
+    def switch(self) -> None:
+        """Turn the heater off or on."""
+        self.heater.on = not self.heater.on

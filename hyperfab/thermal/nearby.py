@@ -15,8 +15,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.convection import Convection
-from hyperfab.thermal.history import History, Target
-from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.history import History, Ledger, Target
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel

@@ -9,14 +9,13 @@ from scipy import sparse
 
 from hyperfab.arrays import Array
 from hyperfab.thermal.convection import Convection
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import by_vector
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
-from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift, examples
 
 #: Time scales of the answers to heaters, from the shortest stage to all that is left.

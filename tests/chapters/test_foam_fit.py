@@ -213,7 +213,7 @@ def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
 @pytest.mark.parametrize(("power", "told"), [(0.0, True), (-0.5, True), (-1.1, False), (-2.0, False)])
 def test_a_plateau_that_no_stable_law_has_is_told(power, told) -> None:
     """Stress as a power of the stretch: in logarithmic strains it must grow faster than 1 / stretch."""
-    from hyperfab.chapters.fit.plateau import plateau
+    from hyperfab.chapters.fit.hyperfoam import plateau
     from hyperfab.curve import TestCurve
 
     down = np.linspace(1.0, 0.4, 60)
@@ -231,7 +231,7 @@ def test_a_plateau_that_no_stable_law_has_is_told(power, told) -> None:
 
 
 def test_scatter_on_a_low_plateau_is_no_plateau_that_falls() -> None:
-    from hyperfab.chapters.fit.plateau import plateau
+    from hyperfab.chapters.fit.hyperfoam import plateau
     from hyperfab.curve import TestCurve
 
     down, random = np.linspace(1.0, 0.3, 80), np.random.default_rng(3)
@@ -276,7 +276,7 @@ def test_a_plateau_that_no_law_has_is_pressed_as_the_table_that_is_named(hf, tmp
 
 
 def test_a_table_of_several_loadings_is_their_mean_and_never_falls() -> None:
-    from hyperfab.chapters.fit.plateau import table_of
+    from hyperfab.chapters.fit.hyperfoam import table_of
     from hyperfab.curve import TestCurve
 
     down = np.linspace(1.0, 0.3, 700)

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from hyperfab.chapters.mold_heat.pace import Pace
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.tables import Table
-from hyperfab.thermal.thermostat import Thermostat
 
 
 def problem(corners: list[float], loss: float | None = None) -> SimpleNamespace:

@@ -8,8 +8,7 @@ from builders import uniform
 
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
-from hyperfab.membrane.outline import Square
-from hyperfab.membrane.polygon import Polygon, crossing_sides
+from hyperfab.membrane.outline import Polygon, Square, crossing_sides
 
 SQUARE = np.array([[-100.0, -100], [100, -100], [100, 100], [-100, 100]])
 CROSS = np.array(

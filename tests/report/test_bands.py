@@ -11,7 +11,7 @@ import pytest
 from hyperfab.chapters.summary import paragraph
 from hyperfab.errors import InputError
 from hyperfab.report.bands import figure
-from hyperfab.report.drawing import draw_interval
+from hyperfab.report.labels import draw_interval
 from hyperfab.report.page.parts import Chart, Source, Table
 from hyperfab.report.page.sections import build
 from hyperfab.report.page.sections.heat import molds

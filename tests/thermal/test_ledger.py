@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.history import Ledger
 
 
 @pytest.mark.parametrize("joule", [1e-6, 1.0, 1e6])

@@ -9,9 +9,8 @@ from hyperfab.thermal import shortcut as module
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater
-from hyperfab.thermal.history import History, curve
-from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.heater import Heater, Thermostat
+from hyperfab.thermal.history import History, Ledger, curve
 from hyperfab.thermal.lumping import Alike, groups
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedMedium, ProjectedModel
@@ -21,7 +20,6 @@ from hyperfab.thermal.run_basis import orthonormal
 from hyperfab.thermal.shortcut import View, shortcut_for
 from hyperfab.thermal.step import State, initial_state
 from hyperfab.thermal.tables import Table
-from hyperfab.thermal.thermostat import Thermostat
 from hyperfab.thermal.trail import Lift, Trail
 from hyperfab.thermal.transient import Schedule, run
 

@@ -14,7 +14,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.mesh_file import SUFFIXES, read_mesh_file
 from hyperfab.io.units import column_factor
-from hyperfab.membrane.polygon import Polygon, crossing_sides, signed_area
+from hyperfab.membrane.outline import Polygon, crossing_sides, signed_area
 
 #: Heights within this part of the size count as one plane; points this close count as one.
 _FLAT, _SAME = 1e-5, 1e-7

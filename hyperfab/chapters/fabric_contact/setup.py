@@ -15,8 +15,7 @@ from hyperfab.chapters.sheet import Fabric
 from hyperfab.errors import InputError, UsageError
 from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.friction import Coulomb, Stick
-from hyperfab.membrane.outline import Disc, Outline, Square
-from hyperfab.membrane.polygon import Polygon
+from hyperfab.membrane.outline import Disc, Outline, Polygon, Square
 from hyperfab.membrane.punch import Facets
 from hyperfab.membrane.sphere_contact import SphereTest
 

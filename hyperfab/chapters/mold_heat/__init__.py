@@ -9,7 +9,7 @@ def run(job: Job, case: MoldCase) -> int:
     """Heat the mold of the case; 0, or 4 where the account of heat does not close."""
     netgen_process.begin()  # it imports while this process reads
     try:
-        from hyperfab.chapters.mold_heat.geometry import geometry_of
+        from hyperfab.chapters.mold_heat.meshing import geometry_of
         from hyperfab.documents.base import read_document
         from hyperfab.documents.mold import MoldDocument
         from hyperfab.thermal.mesher import begin_mesh

@@ -10,8 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.field import read_field
 from hyperfab.chapters.mold_heat.conditions import Placing
-from hyperfab.chapters.mold_heat.geometry import geometry_of
-from hyperfab.chapters.mold_heat.meshing import mesh_mold
+from hyperfab.chapters.mold_heat.meshing import geometry_of, mesh_mold
 from hyperfab.chapters.mold_heat.production import Pieces, pieces_of
 from hyperfab.chapters.mold_heat.tables import Tables, refuse_exposed, refuse_unknown_names
 from hyperfab.documents.base import read_document
@@ -23,14 +22,14 @@ from hyperfab.io.vtu_read import Grid
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Geometry
+from hyperfab.thermal.heater import Thermostat
 from hyperfab.thermal.locate import Locator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.plausibility import doubts
-from hyperfab.thermal.renewal import Renewal
+from hyperfab.thermal.switched import Renewal
 from hyperfab.thermal.tables import Table
-from hyperfab.thermal.thermostat import Thermostat
 
 #: A mesh whose volume is off by more than this share follows the curves of a part too coarsely.
 COARSE = 0.005

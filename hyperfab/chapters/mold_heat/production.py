@@ -18,8 +18,7 @@ from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.history import History
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.piece import Layer, Piece, column
-from hyperfab.thermal.renewal import Renewal
-from hyperfab.thermal.switched import Switched
+from hyperfab.thermal.switched import Renewal, Switched
 
 #: Pieces after which a mold that has not come round is told as it is.
 MOST_PIECES = 1000

@@ -27,8 +27,7 @@ from hyperfab.documents.mold import MoldDocument
 from hyperfab.documents.uncertainty import figures_of
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.history import History, Target
-from hyperfab.thermal.ledger import Ledger
+from hyperfab.thermal.history import History, Ledger, Target
 from hyperfab.thermal.model import without_route
 from hyperfab.thermal.shortcut import View, is_long, shortcut_for
 from hyperfab.thermal.step import initial_state
