@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.clip import positive_part
-from hyperfab.pressing.contact import Contact
 from hyperfab.pressing.gap import Front
+from hyperfab.pressing.press import Contact
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
 

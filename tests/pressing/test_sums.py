@@ -7,10 +7,10 @@ import pytest
 
 from hyperfab.arrays import Array
 from hyperfab.pressing import foam_law
-from hyperfab.pressing.contact import contact, stiffness
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
 from hyperfab.pressing.nearby import ByPlace
+from hyperfab.pressing.press import contact, stiffness
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots
 from hyperfab.pressing.sums import Stack

@@ -27,12 +27,11 @@ from hyperfab.report.labels import AFTER, BEFORE, DATA
 from hyperfab.report.page.front import front, still
 from hyperfab.report.page.parts import Chart, Section, Source, in_order, number, parents, rounded
 from hyperfab.report.page.render import page
-from hyperfab.report.page.scenes import STEPS, Field, scene
+from hyperfab.report.page.scenes import STEPS, Field, Surface, outside, scene, thinned
 from hyperfab.report.page.sections import build
 from hyperfab.report.page.sections import contact as contact_section
 from hyperfab.report.page.sections import drape as drape_section
 from hyperfab.report.page.sections import press as press_section
-from hyperfab.report.page.surface import Surface, outside, thinned
 
 EVIL = "<script>alert(1)</script>\"'&<img src=x onerror=alert(2)>"
 

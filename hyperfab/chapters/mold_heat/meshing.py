@@ -1,4 +1,4 @@
-"""From the shapes of a mold document to its mesh: what it will take, STL surfaces made coarser, the mesher's refusals."""
+"""The mesh of a mold document: its shapes, what it will take, STL surfaces made coarser, refusals of the mesher."""
 
 from __future__ import annotations
 
