@@ -1,7 +1,364 @@
-"""``hf fit``: constants of a law from fabric tests."""
+"""The recipe of ``hf fit``: read, prepare, identify, judge, write."""
 
 from __future__ import annotations
 
-from hyperfab.chapters.fit.recipe import run
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
 
-__all__ = ["run"]
+from hyperfab.cases.fit import FitCase
+from hyperfab.chapters.fit import describe
+from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
+from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
+from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
+from hyperfab.chapters.fit.prepare import steps_of
+from hyperfab.chapters.fit.readings import Readings, gather, read_all
+from hyperfab.chapters.fit.replicates import next_specimens, replicates
+from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
+from hyperfab.chapters.fit.whole import WholeFit
+from hyperfab.chapters.job import Job
+from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.layout import layout
+from hyperfab.io.output import Output
+from hyperfab.io.specimen import Geometry
+from hyperfab.io.text import number_of_rows
+from hyperfab.io.units import quantity
+from hyperfab.materials import law, laws
+from hyperfab.materials.hyperfoam import ORDERS
+from hyperfab.materials.identification.quality import Figures
+from hyperfab.materials.law import Law
+from hyperfab.materials.registry import carried_by
+
+
+def run(job: Job, case: FitCase) -> int:
+    """Identify constants and write the material document; 1 where no law is accepted."""
+    out = job.opened(job.target, (".csv", ".png", *((_TABLE,) if case.model in ORDERS else ())))
+    model, relative = case.model, case.objective == "relative"
+    # What was typed wrong is told before what the files are wrong in.
+    if model not in ("all", "orthotropic", *ORDERS):
+        law(model)
+    named = {
+        "": case.files,
+        "uniaxial": case.uniaxial,
+        "shear": case.shear,
+        "biaxial": case.biaxial,
+        "volumetric": case.volumetric,
+    }
+    sizes, steps = geometry(case), steps_of(case)
+    noise = _stress(case.noise, "--noise", sizes)
+    told: list[str] = []
+    tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
+    out.refuse_inputs(job.inputs)
+    foam = model in ORDERS
+    # A foam's rows count by their share of the largest stress: none is without meaning.
+    readings = gather(tests, steps, relative and not foam, carried_by(model), not foam, noise)
+    job.console.note(*readings.preparation)
+    readings.preparation += told
+    readings.warnings[:0] = aspect_warnings(tests)
+    chosen = _chosen(case.fit_on, readings)
+    if noise is not None:
+        readings.preparation.append(f"noise of {noise:g} MPa taken into account in the weights")
+    setting = Setting(chosen, relative and not foam, case.stable, case.accept, noise)
+    fitted = _whole if foam or model == "orthotropic" else _by_direction
+    document, beside = fitted(job, readings, setting, case)
+    if not foam:
+        _tell_bulk(job, readings)
+    if out.wants_files:
+        for suffix, data in beside().items():
+            out.add(suffix, data)
+    job.write(out, document, case, thickness_mm=document.thickness_mm)
+    return 0 if document.accepted else NEGATIVE_VERDICT
+
+
+#: The document, and what makes the tables and the picture beside it, by suffix.
+_Fitted = tuple[MaterialDocument, Callable[[], dict[str, bytes]]]
+#: Of the table that the press takes where no law has a foam's plateau.
+_TABLE = ".compression.csv"
+#: A table that was levelled by less only scatters.
+_LEVELLED = 0.01
+
+
+def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fitted:
+    """Identify laws with constants for each direction."""
+    ranked = case.model == "all"
+    candidates = [one for one in laws().values() if one.isotropic] if ranked else [law(case.model)]
+    sets = _sets(readings)
+    judged = _judge_all(job, candidates, sets, setting)
+    best = judged[0]
+    if best.failure is not None:
+        raise InputError(
+            f"no constants of {best.law.name}: {best.failure}",
+            file=readings.curves[0].source,
+            remedy="give more rows or tests, or a law with fewer constants",
+        )
+    document = _document(best, judged if ranked else None, readings, sets, setting, case.plane)
+    _tell(job, judged, document, setting)
+    for curve in sets[None]:
+        way = curve.direction_name if curve.direction_name in (document.directions or {}) else None
+        known = document.tested_stretch(way)
+        job.ranges.used("stretch", curve.principal, known=known, source=curve.source, direction=way)
+
+    def beside() -> dict[str, bytes]:
+        from hyperfab.chapters.fit.siblings import law_csv, law_picture
+
+        return {".csv": law_csv(best, sets, setting), ".png": law_picture(best, sets, setting)}
+
+    return document, beside
+
+
+def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fitted:
+    """Identify one energy for all tests: that of a foam, or of the whole sheet."""
+    with job.console.progress("Identifying") as advance:
+        advance(0.0, case.model)
+        from hyperfab.chapters.fit.hyperfoam import FoamFit, fit_foam
+
+        if case.model in ORDERS:
+            fit: WholeFit[Any] = fit_foam(readings, setting, ORDERS[case.model])
+        else:
+            from hyperfab.chapters.fit.orthotropic import along_axes, fit_sheet
+
+            before = len(readings.preparation)
+            sheet = fit_sheet(along_axes(readings), setting)
+            readings.preparation += sheet.gripped
+            job.console.note(*readings.preparation[before:])
+            fit = sheet
+    document = fit.document(readings)
+    parts = {n: d.fit for n, d in (document.directions or {}).items()} or {"": document.fit}
+    named = ["direction"] if case.model not in ORDERS else []
+    rows = [
+        [
+            *([name or "-"] if named else []),
+            test,
+            f"{one.relative_rms:.4g}",
+            f"{one.nrmse:.4g}",
+            str(one.points),
+        ]
+        for name, figures in parts.items()
+        for test, one in (figures.tests if figures else {}).items()
+        if isinstance(one, TestFigures)
+    ]
+    _tell_data(job, document, describe.table([*named, "test", "rel. rms", "NRMSE", "rows"], rows))
+    if case.model in ORDERS and not any(
+        (c.stretch < 1.0).any() for c in fit.curves if c.mode != "simple-shear"
+    ):
+        job.console.warn(
+            "no row presses the foam: all count as pulled, and its law in compression is a guess; where they were "
+            'pressed, let --columns or the table say so, as "compressive strain [-]" and "compressive stress [MPa]"'
+        )
+    for unknown in fit.undetermined:
+        job.console.note(
+            f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
+        )
+    for curve, known in fit.ranges(document):
+        job.ranges.used(
+            "stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name
+        )
+
+    def beside() -> dict[str, bytes]:
+        found = {".csv": fit.curves_csv(), ".png": fit.picture()}
+        table = fit.table() if isinstance(fit, FoamFit) else None
+        if table is not None:
+            found[_TABLE] = table[0]
+            _tell_table(job, Output(job.target).path(_TABLE).name, table[1])
+        return found
+
+    return document, beside
+
+
+def _tell_bulk(job: Job, readings: Readings) -> None:
+    """Say the bulk modulus, how well it carries the volumetric tests, and over which changes of volume."""
+    bulk = readings.bulk_figures
+    if bulk is None:
+        return
+    job.console.note(
+        f"volumetric: bulk modulus {readings.bulk_modulus:.4g} MPa, rel. rms {bulk.relative_rms:.4g}, "
+        f"NRMSE {bulk.nrmse:.4g}, {number_of_rows(bulk.points)}"
+    )
+    for test in readings.volumetric:
+        job.ranges.used("volume_ratio", test.stretch, known=test.stretch, source=test.source)
+
+
+def _tell_table(job: Job, name: str, levelled: float) -> None:
+    """Say how the press takes what no law has."""
+    why = f", levelled by {100.0 * levelled:.1f} % of its peak where it falls" if levelled > _LEVELLED else ""
+    job.console.note(
+        f'{name} is the loading as a table{why}. In foam.toml: compression = {{ table = "{name}" }} and thickness = '
+        '"10 mm", that of the foam; then: hf press-contact --male m.stl --female f.stl --foam foam.toml --gap 3mm'
+    )
+
+
+def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
+    """Return a stress [MPa], given as such or as force per width [N/mm] (over the thickness, where it is known)."""
+    if text is None:
+        return None
+    try:
+        return quantity(text, "stress", option=option)
+    except UsageError as no_stress:
+        try:
+            return quantity(text, "membrane-stress", option=option) / (sizes.thickness or 1.0)
+        except UsageError:
+            # Of two forms that would do, the common one is shown.
+            raise no_stress from None
+
+
+def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:
+    """Return the tests that take part, as the data name them."""
+    if fit_on is None:
+        return tuple(readings.modes)
+    wanted = [word.strip() for word in fit_on.split(",") if word.strip()]
+    found: list[str] = []
+    for word in wanted:
+        same = [
+            mode for mode in readings.modes if mode.removesuffix("-general") == word.removesuffix("-general")
+        ]
+        if not same:
+            raise UsageError(
+                f"--fit-on {fit_on}: no {word} test is given; there is {', '.join(readings.modes)}"
+            )
+        found += [mode for mode in same if mode not in found]
+    if not found:
+        raise UsageError("--fit-on: name at least one test, as uniaxial,shear")
+    return tuple(found)
+
+
+def _sets(readings: Readings) -> Sets:
+    """Return all curves, and those of each direction where tests were cut both ways.
+
+    A test without a direction belongs to each.
+    """
+    names = list(
+        dict.fromkeys(curve.direction_name for curve in readings.curves if curve.direction_name is not None)
+    )
+    if len(names) < 2:
+        return {None: readings.curves}
+    return {
+        None: readings.curves,
+        **{name: [c for c in readings.curves if c.direction_name in (name, None)] for name in names},
+    }
+
+
+def _judge_all(job: Job, candidates: Sequence[Law], sets: Sets, setting: Setting) -> list[Judged]:
+    judged = []
+    with job.console.progress("Identifying") as advance:
+        for number, candidate in enumerate(candidates):
+            advance(number / len(candidates), candidate.name)
+            judged.append(judge(candidate, sets, setting, ranked=len(candidates) > 1))
+    return sorted(judged, key=lambda one: one.best_first)
+
+
+def _document(
+    best: Judged,
+    ranking: Sequence[Judged] | None,
+    readings: Readings,
+    sets: Sets,
+    setting: Setting,
+    with_plane: bool,
+) -> MaterialDocument:
+    whole = best.results[None]
+    assert isinstance(whole, Identified)
+    directions = {
+        name: describe.direction(
+            found,
+            outliers(found, rows_of(found, sets, name), setting),
+            reach(sets[name]),
+            with_plane,
+            tested(sets[name], setting),
+        )
+        for name, found in best.results.items()
+        if name is not None and isinstance(found, Identified)
+    }
+    for name, part in directions.items():
+        if part.fit is not None and part.fit.uncertainty is not None:
+            part.fit.uncertainty.next_specimen = next_specimens(sets[name]) or None
+    if ranking is not None:
+        for name, part in directions.items():
+            _of_law(part.fit, law_spread(ranking, name))
+    data_reach = reach(sets[None])
+    document = describe.document_of(
+        readings,
+        setting,
+        model=best.law.name,
+        parameters=whole.material.parameters,
+        temperature_degC=whole.temperatures[whole.reference],
+        directions=directions or None,
+        temperatures=describe.temperatures(whole),
+        fit=describe.with_outliers(
+            describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)
+        ),
+        stability=describe.stability(whole, data_reach),
+        stability_plane=describe.plane(whole, data_reach, with_plane),
+        stable=best.stable,
+        accepted=best.accepted,
+        replicates=replicates(readings.curves) or None,
+        warnings=[*readings.warnings, *doubts(best, sets, setting)] or None,
+        models=None
+        if ranking is None
+        else [
+            describe.model_row(
+                one.law.name,
+                one.failure or one.results[None],
+                one.carry_over,
+                one.stable,
+                one.accepted,
+                data_reach,
+            )
+            for one in ranking
+        ],
+        tested=tested(sets[None], setting),
+    )
+    if not directions and document.fit is not None and document.fit.uncertainty is not None:
+        document.fit.uncertainty.next_specimen = next_specimens(sets[None]) or None
+    if ranking is not None:
+        _of_law(document.fit, law_spread(ranking, None))
+        told = closer(ranking)
+        document.warnings = [*(document.warnings or []), *([told] if told else [])] or None
+    return document
+
+
+def _of_law(figures: FitFigures | None, spread: float | None) -> None:
+    """Note what the choice of the law adds."""
+    if figures is not None and figures.uncertainty is not None:
+        figures.uncertainty.law = spread
+
+
+def _tell_data(job: Job, document: MaterialDocument, figures: str) -> None:
+    """Say what is wrong with the data, what of them was left out, and how well they are met."""
+    job.console.warn(*(document.warnings or ()))
+    for reason, count in (document.left_out or {}).items():
+        job.console.note(f"{number_of_rows(count)} left out: {reason}")
+    job.console.note(figures)
+
+
+def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, setting: Setting) -> None:
+    columns = ["model", "E2", "rel. rms", "NRMSE", "unseen", "stable", "accepted"]
+    if not setting.relative:
+        columns[-1] += " by NRMSE"
+    rows = []
+    for one in judged:
+        cells = describe.figures_cells(_written(one))
+        unseen = f"{one.carry_over:.4g}" if one.carry_over < 1e300 else "-"
+        flags = (
+            ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
+        )
+        rows.append([one.law.name, *cells, unseen, *flags])
+    _tell_data(job, document, describe.table(columns, rows))
+    degrees = sorted({t for part in judged[0].results.values() if isinstance(part, Identified)
+                      for t in part.temperatures if t is not None})  # fmt: skip
+    if len(degrees) > 1:
+        job.console.note(f"constants at {', '.join(f'{t:g}' for t in degrees)} degC; those shown hold at "
+                         f"{document.temperature_degC:g} degC")  # fmt: skip
+    for name, part in judged[0].results.items():
+        if isinstance(part, Identified) and (name is not None or len(judged[0].results) == 1):
+            job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part)}")
+
+
+def _written(one: Judged) -> Figures | None:
+    """Return the figures of what is written: of both directions together, where each has constants of its own."""
+    named = [part for name, part in one.results.items() if name is not None]
+    parts = [part.total for part in named or one.results.values() if isinstance(part, Identified)]
+    if not parts or one.failure is not None:
+        return None
+    E2, points = sum(part.E2 for part in parts), sum(part.points for part in parts)
+    return Figures(E2, math.sqrt(E2 / max(points, 1)), max(part.nrmse for part in parts), points)
