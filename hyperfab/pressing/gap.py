@@ -89,13 +89,21 @@ def normal_gap(points: Array, normals: Array, female: Mold) -> Array:
 
 def axial_gap(points: Array, female: Mold) -> Array:
     """Return the gap (n,) [mm] along the closing axis; NaN where no female lies above."""
-    up = np.broadcast_to(np.array([0.0, 0.0, 1.0]), points.shape)
     far = 1.0 + max(0.0, float(points[:, 2].max() - female.front.vertices[:, 2].min()))
-    t, face = female.front.ray(points - far * up, up)
+    return gap_towards(points, female, np.array([0.0, 0.0, 1.0]), far)
+
+
+def gap_towards(points: Array, mold: Mold, way: Array, far: float) -> Array:
+    """Return the gap (n,) [mm] along a unit ``way`` (3,) to the front of a mold; NaN where it does not lie there.
+
+    It is looked for from ``far`` [mm] behind the points, outside of all: molds that overlap have a negative gap.
+    """
+    along = np.broadcast_to(way, points.shape)
+    t, face = mold.front.ray(points - far * way, along)
     hit = np.flatnonzero(face >= 0)
     gap = np.full(len(points), np.nan)
-    ends = points[hit] + (t[hit] - far)[:, None] * up[hit]
-    gap[hit] = t[hit] - far + female.front_curving.reach(face[hit], ends, up[hit])
+    ends = points[hit] + (t[hit] - far)[:, None] * way
+    gap[hit] = t[hit] - far + mold.front_curving.reach(face[hit], ends, along[hit])
     return gap
 
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
+from hyperfab.pressing.gap import gap_towards
 from hyperfab.pressing.mold import LOOKING, Mold, PressFrame, mold
 from hyperfab.surface import Surface
 
@@ -82,19 +83,14 @@ def clearance(male: Mold, female: Mold) -> Clearance:
         if not (here.looking.any() and there.looking.any()):  # an open surface that faces away
             continue
         used = np.unique(here.faces[here.looking])
-        starts = here.vertices[used].copy()
-        # From far outside, so that molds which overlap as drawn give a negative gap and not a missed one.
-        far = 1.0 + np.ptp(np.concatenate([here.vertices[:, 2], there.vertices[:, 2]]))
-        t, face = there.front.ray(starts - far * direction, direction)
-        hit = np.flatnonzero(face >= 0)
-        if len(hit) == 0:
+        starts = here.vertices[used]
+        far = 1.0 + float(np.ptp(np.concatenate([here.vertices[:, 2], there.vertices[:, 2]])))
+        gaps = gap_towards(starts, there, direction, far)
+        if np.isnan(gaps).all():
             continue
-        ends = starts[hit] + (t[hit] - far)[:, None] * direction
-        along = np.broadcast_to(direction, ends.shape)
-        gap = t[hit] - far + there.front_curving.reach(face[hit], ends, along)
-        best = int(np.argmin(gap))
-        at = starts[hit[best]] + (0.0 if here is male else gap[best]) * direction
-        candidates.append((float(gap[best]), at))
+        best = int(np.nanargmin(gaps))
+        at = starts[best] + (0.0 if here is male else gaps[best]) * direction
+        candidates.append((float(gaps[best]), at))
     if not candidates:
         raise InputError(
             "no part of the female lies above the male", remedy="check --axis and the two STL files"
