@@ -43,25 +43,18 @@ def run(job: Job, case: LoopCase) -> int:
 
 def domain_of(kind: str) -> Callable[[Job, Given], int]:
     """Return what closes the loop on a kind of model; imported only when it is asked for."""
+    domain: Callable[[Job, Given], int]
     if kind == "material":
-        from hyperfab.chapters.close_loop.fabric import run as fabric
-
-        return fabric
-    if kind == "mold":
-        from hyperfab.chapters.close_loop.heat import run as heat
-
-        return heat
-    if kind == "press":
-        from hyperfab.chapters.close_loop.press import run as press
-
-        return press
-    if kind == "contact":
-        from hyperfab.chapters.close_loop.contact import run as contact
-
-        return contact
-    from hyperfab.chapters.close_loop.drape import run as drape
-
-    return drape
+        from hyperfab.chapters.close_loop.fabric import run as domain
+    elif kind == "mold":
+        from hyperfab.chapters.close_loop.heat import run as domain
+    elif kind == "press":
+        from hyperfab.chapters.close_loop.press import run as domain
+    elif kind == "contact":
+        from hyperfab.chapters.close_loop.contact import run as domain
+    else:
+        from hyperfab.chapters.close_loop.drape import run as domain
+    return domain
 
 
 def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
