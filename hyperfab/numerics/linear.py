@@ -74,7 +74,7 @@ class SuperLUFactor:
 
 @dataclass
 class _Behind:
-    """Cholesky's factor behind the door, or PARDISO's, of a matrix that is not symmetric and not asked for pivots."""
+    """Cholesky's factor behind the door, or PARDISO's, of a matrix that is not symmetric."""
 
     name: str
     factor: CholeskyFactor | pardiso.PardisoFactor
@@ -83,6 +83,8 @@ class _Behind:
         return _finite(self.factor.solve(right))
 
     def negative_pivots(self, noise: float = 0.0) -> int:
+        if not isinstance(self.factor, CholeskyFactor):
+            raise NotImplementedError("pivots of a matrix that is not symmetric")
         return 0
 
 
