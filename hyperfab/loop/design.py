@@ -68,7 +68,7 @@ def _extended(noise: Noise, target: Array, old: int, problem: Problem) -> Noise:
     """Return the noise with the rows of the new test added: as loud as the old ones, a specimen of its own."""
     new = np.arange(old, len(target))
     sd = np.concatenate([noise.sd, np.full(len(new), float(np.median(noise.sd[problem.channel[:old] == 0])))])
-    if not noise.gain_sd and not noise.correlation:
+    if not (noise.gain_sd or noise.across_sd or noise.correlation):
         return replace(noise, sd=sd)
     return replace(
         noise,

@@ -103,7 +103,7 @@ def descent(
     """
     names = tuple((effect, form.name) for effect, form in forms.items())
     begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
-    key = (names, begins, hash(noise.sd.tobytes()), noise.gain_sd, iterations, coarse)
+    key = (names, begins, hash(noise.sd.tobytes()), noise.gain_sd, noise.across_sd, iterations, coarse)
     if key not in problem.descents:
         # A few steps from each start tell which of them leads on.
         tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
@@ -179,7 +179,7 @@ class Descent:
         if not self.exact:
             self._ask()
         left, jacobian = self.left, self.jacobian
-        if noise.gain_sd or noise.correlation:
+        if noise.gain_sd or noise.across_sd or noise.correlation:
             full = noise.at(value)
             left = full.whiten(self.target - value)
             jacobian = full.whiten(self.metric.coloured(jacobian))

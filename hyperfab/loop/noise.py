@@ -16,11 +16,12 @@ from hyperfab.loop.problem import Curve
 class Noise:
     """One standard deviation a row, its degrees of freedom, and what rows have in common.
 
-    ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``correlation`` that between
-    neighbouring rows of a curve. ``whiten`` takes both out, so that noise becomes unit and uncorrelated.
+    ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``across_sd`` that of how much narrower
+    they become, ``correlation`` that between neighbouring rows of a curve. ``whiten`` takes these out, so that noise
+    becomes unit and uncorrelated.
     ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
-    rows of each specimen, ``alike`` the specimens of each way of testing; where these are ``centred`` they scatter
-    about a mean of their own, which is told.
+    rows of each specimen, ``across`` those of its transverse stretch, ``alike`` the specimens of each way of testing;
+    where these are ``centred`` they scatter about a mean of their own, which is told.
     """
 
     sd: Array
@@ -29,8 +30,10 @@ class Noise:
     gain_sd: float = 0.0
     gain_doubt: float = 0.0
     correlation: float = 0.0
+    across_sd: float = 0.0
     starts: tuple[int, ...] = ()
     groups: tuple[NDArray[np.int64], ...] = ()
+    across: tuple[NDArray[np.int64], ...] = ()
     alike: tuple[tuple[int, ...], ...] = ()
     pattern: Array = field(default_factory=lambda: np.empty(0))
     measured: Array = field(default_factory=lambda: np.empty(0))
@@ -39,7 +42,7 @@ class Noise:
     @property
     def plain(self) -> Noise:
         """The noise without what rows have in common."""
-        return replace(self, gain_sd=0.0, correlation=0.0)
+        return replace(self, gain_sd=0.0, across_sd=0.0, correlation=0.0)
 
     @property
     def about_means(self) -> Noise:
@@ -79,6 +82,8 @@ class Noise:
         if self.gain_sd:
             rows = np.concatenate(self.groups)
             common[rows] = self.gain_sd * self.at(predicted).pattern[rows]
+        for rows in self.across if self.across_sd else ():
+            common[rows] = self.across_sd * (1.0 - self.measured[rows])
         return np.hypot(self.sd, common)
 
     def whiten(self, values: Array) -> Array:
@@ -90,6 +95,10 @@ class Noise:
             scaled = scaled.copy()
             for rows, shape, less in self._about_means(scaled) if self.centred else self._about_model(scaled):
                 scaled[rows] -= np.multiply.outer(shape, less)
+        if self.across_sd:
+            scaled = scaled.copy()
+            for rows, shape, shrink in self._shapes_across():
+                scaled[rows] -= np.multiply.outer(shape, shrink * (shape @ scaled[rows]))
         return scaled
 
     def coloured(self, whitened: Array) -> Array:
@@ -98,6 +107,9 @@ class Noise:
         if self.gain_sd:
             for rows, shape, less in self._about_means(whitened, 0.5):
                 values[rows] -= np.multiply.outer(shape, less)
+        if self.across_sd:
+            for rows, shape, shrink in self._shapes_across():
+                values[rows] += np.multiply.outer(shape, shrink / (1.0 - shrink) * (shape @ values[rows]))
         return values * self.sd[:, None]
 
     def _about_model(self, scaled: Array) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
@@ -151,13 +163,22 @@ class Noise:
         return found
 
     def _shapes(self) -> list[tuple[NDArray[np.int64], Array, float]]:
-        pattern = self.pattern / self.sd
+        return self._scattered(self.pattern, self.groups, self.gain_sd)
+
+    def _shapes_across(self) -> list[tuple[NDArray[np.int64], Array, float]]:
+        return self._scattered(1.0 - self.measured, self.across, self.across_sd)
+
+    def _scattered(
+        self, pattern: Array, groups: Sequence[NDArray[np.int64]], sd: float
+    ) -> list[tuple[NDArray[np.int64], Array, float]]:
+        """Return the rows of each group, the unit shape of what is alike in them, and how much of that is scatter."""
+        pattern = pattern / self.sd
         if self.correlation:
             pattern = self._along(pattern)
         found = []
-        for rows in self.groups:
+        for rows in groups:
             length = max(float(np.sqrt(pattern[rows] @ pattern[rows])), 1e-300)
-            shrink = 1.0 - 1.0 / np.sqrt(1.0 + (self.gain_sd * length) ** 2)
+            shrink = 1.0 - 1.0 / np.sqrt(1.0 + (sd * length) ** 2)
             found.append((rows, pattern[rows] / length, shrink))
         return found
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import chdtrc
@@ -36,7 +36,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     white noise, noise alike in neighbouring rows, and stiffness that differs from specimen to specimen.
     """
     y = problem.measured
-    sd, dof, source = np.empty(len(y)), np.inf, ""
+    sd, dof, source, louder = np.empty(len(y)), np.inf, "", np.ones(len(y))
     for channel in sorted({curve.channel for curve in problem.curves}):
         curves = [curve for curve in problem.curves if curve.channel == channel]
         rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves])
@@ -45,7 +45,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         elif problem.stated_sd is not None and np.all(np.isfinite(problem.stated_sd[rows])):
             sd[rows], how = problem.stated_sd[rows], "standard deviations in the data"
         else:
-            sd[rows], known, how = _from_differences(y, curves, rows)
+            sd[rows], known, how, louder[rows] = _from_differences(y, curves, rows)
             dof = min(dof, known)
             if not replicates(problem.curves, channel):
                 least = problem.least_noise * _peaks(y, curves)
@@ -57,14 +57,20 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
                 sd[rows] = np.maximum(sd[rows], least)
         source = source or how
     free = stated is None and problem.stated_sd is None
-    for channel in sorted({curve.channel for curve in problem.curves} - {0}):
-        sd = sd * _louder(problem, sd, channel)
+    across_sd = 0.0
+    if np.any(problem.channel == 1):
+        sd, across_sd = _across(problem, sd, louder)
     keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0 and curve.specimen)
-    groups = tuple(
-        np.concatenate(
-            [np.arange(c.start, c.stop) for c in problem.curves if c.specimen == key and c.channel == 0]
+    groups, across = (
+        tuple(
+            np.concatenate(
+                [np.arange(c.start, c.stop) for c in problem.curves if (c.specimen, c.channel) == key]
+            )
+            for key in dict.fromkeys(
+                (c.specimen, channel) for c in problem.curves if c.channel == channel and c.specimen
+            )
         )
-        for key in keys
+        for channel in (0, 1)
     )
     ways: dict[tuple[str, ...], list[int]] = {}
     for k, key in enumerate(keys):
@@ -73,9 +79,18 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     starts = tuple(curve.start for curve in problem.curves)
     alike = tuple(tuple(one) for one in ways.values())
     plain = Noise(
-        sd, dof, source, starts=starts, groups=groups, alike=alike, pattern=y.copy(), measured=y.copy()
+        sd,
+        dof,
+        source,
+        across_sd=across_sd,
+        starts=starts,
+        groups=groups,
+        across=across,
+        alike=alike,
+        pattern=y.copy(),
+        measured=y.copy(),
     )
-    return _with_replicates(problem, plain, free)
+    return _with_replicates(problem, plain, louder, free)
 
 
 def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
@@ -116,8 +131,11 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
     return np.concatenate(found), np.concatenate(level)
 
 
-def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float, str]:
-    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, its degrees of freedom and source.
+def _from_differences(
+    y: Array, curves: Sequence[Curve], rows: Array
+) -> tuple[Array, float, str, Array | float]:
+    """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, its degrees of freedom and source,
+    and by how much it is louder than in all curves.
 
     Of too few readings in a row to tell, a usual one is taken, and said to be.
     """
@@ -127,7 +145,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
     floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
     if len(found) < 4:
-        return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED
+        return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED, 1.0
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
     tried = []
     for ratio in _RATIOS:
@@ -146,8 +164,8 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     least = min(misfit for misfit, *_ in tried)
     a, b, louder = next(one[1:] for one in tried if one[0] <= least + _HARDLY)
     sd = np.sqrt(a**2 + (b * y[rows]) ** 2)
-    sd *= np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
-    return np.maximum(sd, floor), max(_WORTH * len(found), 2.0), "local differences"
+    times = np.concatenate([np.full(c.stop - c.start, one) for c, one in zip(curves, louder, strict=True)])
+    return np.maximum(sd * times, floor), max(_WORTH * len(found), 2.0), "local differences", times
 
 
 def _of_each(scaled: Sequence[Array]) -> Array:
@@ -184,37 +202,74 @@ def _resolution(values: Array) -> float:
     return step if np.allclose(sizes / step, np.round(sizes / step), atol=1e-3) else 0.0
 
 
-def _with_replicates(problem: Problem, noise: Noise, free: bool) -> Noise:
-    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
-    y = problem.measured
-    gains, sure, rests, lags, count = [], [], [], [], 0
+@dataclass(frozen=True)
+class _Compared:
+    """What pairs of replicates differ by, in units of the noise (pairs,): the square of the gain, less what chance
+    makes of it, and less what a doubt does; mean square and correlation of the rest.
+
+    ``count`` readings were compared; ``misfit`` is minus twice the logarithm of their likelihood with one level of
+    noise in all pairs.
+    """
+
+    gains: Array
+    sure: Array
+    rests: Array
+    lags: Array
+    count: int
+    misfit: float
+
+
+def _compared(problem: Problem, sd: Array) -> _Compared | None:
+    found = []
     for first, second in replicates(problem.curves):
-        apart, level, slope, sd = difference(y, noise.sd, first, second)
+        apart, level, slope, spread = difference(problem.measured, sd, first, second)
         if len(apart) < FEWEST:
             continue
-        apart, shapes = apart / sd, (level / sd, (1.0 / sd, slope / sd))
+        apart, shapes = apart / spread, (level / spread, (1.0 / spread, slope / spread))
         values = apart
         for _ in range(_ROBUST):
             coefficients, variance, left = told_apart(values, *shapes)
             # A spike in one of them is neither its stiffness nor noise of all.
             values = values - left + winsorised(apart - values + left)
-        gain = float(coefficients[0])
-        gains.append(gain**2 / 2.0 - variance)
-        sure.append(gain**2 / 2.0 - TOLD**2 * variance)
-        quiet = winsorised(left)
-        rests.append(float(quiet @ quiet) / (2.0 * (len(left) - len(coefficients))))
-        lags.append(float(quiet[1:] @ quiet[:-1]) / max(float(quiet @ quiet), 1e-300))
-        count += len(left)
-    if not gains:
+        gain, quiet = float(coefficients[0]) ** 2 / 2.0, winsorised(left)
+        power = float(quiet @ quiet)
+        rest, lag = power / (2.0 * (len(left) - len(coefficients))), float(quiet[1:] @ quiet[:-1])
+        likely = 2.0 * float(np.sum(np.log(spread)))
+        found.append(
+            (gain - variance, gain - TOLD**2 * variance, rest, lag / max(power, 1e-300), len(left), likely)
+        )
+    if not found:
+        return None
+    gains, sure, rests, lags, counts, likely = np.array(found).T
+    rest = float(counts @ rests) / float(np.sum(counts))
+    misfit = float(np.sum(likely) + np.sum(counts) * np.log(rest + 1e-300))
+    return _Compared(gains, sure, rests, lags, int(np.sum(counts)), misfit)
+
+
+def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) -> Noise:
+    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``.
+
+    Whether the noise is ``louder`` in some curves than in others, as neighbouring readings have it, is then told by
+    what replicates differ by: steps of a hand are no noise.
+    """
+    found = _compared(problem, noise.sd)
+    if found is None:
         return noise
-    gain_sd = float(np.sqrt(max(float(np.mean(gains)), 0.0)))
-    doubt = (1.0 + TOLD / np.sqrt(2.0 * len(sure))) * float(np.sqrt(max(float(np.mean(sure)), 0.0)))
-    rho = float(np.mean(lags))
+    if free and np.any(louder[problem.channel == 0] != 1.0):
+        sd = np.where(problem.channel == 0, noise.sd / louder, noise.sd)
+        even = _compared(problem, sd)
+        if even is not None and even.misfit < found.misfit + MARGIN * (len(noise.groups) - 1):
+            found, noise = even, replace(noise, sd=sd)
+    gain_sd = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
+    wide = 1.0 + TOLD / np.sqrt(2.0 * len(found.sure))
+    doubt = wide * float(np.sqrt(max(float(np.mean(found.sure)), 0.0)))
+    rho, rest, count = float(np.mean(found.lags)), float(np.mean(found.rests)), found.count
     # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
     rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
     sd, dof = noise.sd, noise.dof
-    if free and (rho or np.mean(rests) > 1.5):
-        sd = sd * np.sqrt(max(float(np.mean(rests)), 1.0))
+    if free and (rho or rest > 1.5):
+        # What stresses differ by tells nothing of other readings.
+        sd = np.where(problem.channel == 0, sd * np.sqrt(max(rest, 1.0)), sd)
         dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
     if gain_sd < 2e-3 and not rho and sd is noise.sd:
         return noise
@@ -235,15 +290,33 @@ def winsorised(left: Array) -> Array:
     return np.clip(left, -most, most)
 
 
-def _louder(problem: Problem, sd: Array, channel: int) -> Array:
-    """Return by how much replicates of a further channel differ beyond its local noise."""
-    factor = np.ones(len(sd))
-    squares = [
-        np.mean((apart / spread) ** 2) / 2.0
-        for first, second in replicates(problem.curves, channel)
-        for apart, _, _, spread in [difference(problem.measured, sd, first, second)]
-        if len(apart) >= FEWEST
-    ]
-    if squares:
-        factor[problem.channel == channel] = np.sqrt(max(float(np.mean(squares)), 1.0))
-    return factor
+def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float]:
+    """Return the noise with that of the transverse stretch as its replicates have it, and how much specimens scatter in
+    what they become narrower by (relative).
+
+    It is even in all curves, not ``louder`` in some, where that is the likelier.
+    """
+    own = problem.channel == 1
+    tried: list[tuple[float, float, float, Array]] = []
+    for one, dearer in ((np.where(own, sd / louder, sd), 0), (sd, MARGIN)):
+        squares, rests, likely, count = [], [], 0.0, 0
+        for first, second in replicates(problem.curves, 1):
+            apart, level, _, spread = difference(problem.measured, one, first, second)
+            if len(apart) < FEWEST:
+                continue
+            apart, narrower = apart / spread, (1.0 - level) / spread
+            length = max(float(narrower @ narrower), 1e-300)
+            gain = float(narrower @ apart) / length
+            left = winsorised(apart - gain * narrower)
+            squares.append(0.5 * gain**2 - 1.0 / length)
+            rests.append(0.5 * float(np.mean(left**2)))
+            likely += 2.0 * float(np.sum(np.log(spread)))
+            count += len(apart)
+        if not rests:
+            return sd, 0.0
+        rest = float(np.mean(rests))
+        scatter = float(np.sqrt(max(float(np.mean(squares)), 0.0)))
+        misfit = likely + count * float(np.log(rest + 1e-300)) + dearer * (len(rests) - 1)
+        tried.append((misfit, rest, scatter, one))
+    _, rest, scatter, likelier = min(tried, key=lambda one: one[0])
+    return np.where(own, likelier * np.sqrt(max(rest, 1.0)), likelier), scatter

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import clearly
+
+
+#: A way back that is smaller than this share of a curve's reach is a wobble, no turn.
+_TURN = 0.02
 
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
@@ -49,9 +54,8 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
 def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
     """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
     found: list[tuple[Array, Array, Array, Array]] = []
-    for one, other in zip(moving(first), moving(second), strict=False):
-        x1 = first.places[one.start - first.start : one.stop - first.start]
-        x2 = second.places[other.start - second.start : other.stop - second.start]
+    for one, other in zip(_ways(first), _ways(second), strict=False):
+        x1, x2 = first.places[one - first.start], second.places[other - second.start]
         order = np.argsort(x1, kind="stable")
         inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
         there = np.interp(x2[inside], x1[order], y[one][order])
@@ -66,19 +70,32 @@ def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array,
 
 
 def moving(curve: Curve) -> list[slice]:
-    """Return the smooth pieces of a curve without those in which its place stands still, unless all do.
+    """Return the smooth pieces of a curve without those in which its place stands still, unless it moves between them.
 
     What relaxes while a stretch is held is steep at first: differences of such readings are no noise.
     """
-    places = curve.places
-    least = 1e-3 * float(np.ptp(places)) if len(places) else 0.0
     pieces = curve.pieces()
-    going = [
-        one
-        for one in pieces
-        if float(np.ptp(places[one.start - curve.start : one.stop - curve.start])) > least
-    ]
-    return going or pieces
+    ways = [float(np.ptp(curve.places[one.start - curve.start : one.stop - curve.start])) for one in pieces]
+    reach = float(np.ptp(curve.places)) if len(curve.places) else 0.0
+    going = [one for one, way in zip(pieces, ways, strict=True) if way > 1e-3 * reach]
+    # Pulled step by step, all but a few readings are taken in waits.
+    return going if sum(ways) >= 0.5 * reach else pieces
+
+
+def _ways(curve: Curve) -> list[NDArray[np.int64]]:
+    """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere."""
+    ways: list[tuple[float, list[NDArray[np.int64]]]] = []
+    place, least = np.nan, _TURN * float(np.ptp(curve.places))
+    for piece in moving(curve):
+        rows = np.arange(piece.start, piece.stop)
+        first, last = curve.places[rows[[0, -1]] - curve.start]
+        move = float(last - (first if np.isnan(place) else place))
+        if ways and (abs(move) <= least or move * ways[-1][0] > 0.0):
+            ways[-1][1].append(rows)
+        else:
+            ways.append((move, [rows]))
+        place = last
+    return [np.concatenate(rows) for _, rows in ways]
 
 
 def _slope(place: Array, value: Array) -> Array:

@@ -11,6 +11,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.noise import Noise
+from hyperfab.loop.replicates import difference, replicates
 from hyperfab.materials.registry import law
 
 COUNT, ROWS, GAIN = 5, 50, 0.03
@@ -122,3 +123,53 @@ def test_single_specimens_that_scatter_alone_are_noise(seed: int) -> None:
     one = one_of_each(seed, 0.0)
     assert (one.verdict, one.after.ids) == ("noise", ())
     assert one.assumed > 0.0
+
+
+def test_the_noise_of_what_specimens_become_narrower_by_has_the_covariance_of_its_words() -> None:
+    random = np.random.default_rng(2)
+    narrow, sd = random.uniform(0.7, 1.0, 12), random.uniform(0.001, 0.003, 12)
+    across = tuple(np.arange(4 * k, 4 * k + 4) for k in range(3))
+    noise = Noise(sd, 10.0, "", across_sd=0.1, across=across, measured=narrow)
+    whiten = noise.whiten(np.eye(12))
+    np.testing.assert_allclose(noise.about_means.coloured(whiten), np.eye(12), atol=1e-12)
+    alike = np.zeros((12, 3))
+    for k, rows in enumerate(across):
+        alike[rows, k] = 1.0 - narrow[rows]
+    covariance = np.diag(sd**2) + 0.1**2 * alike @ alike.T
+    np.testing.assert_allclose(whiten @ covariance @ whiten.T, np.eye(12), atol=1e-10)
+
+
+def staircase(random: np.random.Generator, moving: int) -> TestCurve:
+    """Return a specimen pulled by hand in steps of eight readings, so many of them on the way: it has a stiffness of its
+    own (8 %) and a contraction of its own (10 %)."""
+    way = np.minimum(np.arange(1, 9) / moving, 1.0)
+    stretch = 1.0 + 0.02 * np.concatenate([[0.0], *(k + way for k in range(15))])
+    stress = 0.3 * (stretch - stretch**-2) * (1.0 + 0.08 * random.standard_normal())
+    narrower = (1.0 - stretch**-0.5) * (1.0 + 0.1 * random.standard_normal())
+    read = [random.standard_normal(len(stretch)) for _ in range(3)]
+    name = str(random.random())
+    return TestCurve(
+        "uniaxial", stretch + 2e-4 * read[0], stress + 3e-4 * read[1], stretch2=1.0 - narrower + 5e-4 * read[2],
+        time_s=0.4 * np.arange(len(stretch)), source=name, specimen=name,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", [1, 4, 6, 8])
+def test_specimens_pulled_step_by_step_are_noise_in_stress_and_contraction(seed: int) -> None:
+    """Each waits elsewhere, and they differ in stiffness and contraction: all that is noise, and of the size stated."""
+    random = np.random.default_rng(seed)
+    tests = [staircase(random, moving) for moving in (1, 4, 1, 5, 1)]
+    problem = fabric_problem(law("neo-hookean"), (0.15,), tests)
+    done = close(problem, design=False)
+    assert done.verdict == "noise"
+    assert 0.03 < done.noise.across_sd < 0.2
+    left = [float(np.sqrt(np.mean(done.after.fit.residual[one.rows] ** 2))) for one in problem.curves]
+    assert 0.6 < min(left) < max(left) < 1.4
+
+
+def test_two_that_wait_elsewhere_are_compared_all_the_way() -> None:
+    random = np.random.default_rng(8)
+    problem = fabric_problem(law("neo-hookean"), (0.15,), [staircase(random, moving) for moving in (1, 4)])
+    (pair,) = replicates(problem.curves)
+    apart = difference(problem.measured, np.ones(len(problem.measured)), *pair)[0]
+    assert len(apart) > 80
