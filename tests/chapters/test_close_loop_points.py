@@ -220,6 +220,33 @@ def test_rows_that_stand_twice_are_read_once_and_counted(
     assert gone["force.csv: row that stands there already"] == 9
 
 
+def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A film and two load cells that saturate; a plate that presses evenly, and a hold at the peak, do not."""
+    monkeypatch.chdir(tmp_path)
+    rng, job = np.random.default_rng(3), Job("close-loop", [], Console(True))
+    at, way = rng.uniform(-50.0, 50.0, (40, 3)), np.linspace(0.1, 4.0, 40)
+    true = np.round(np.maximum(rng.normal(1.0, 0.8, 40), 0.0), 4)
+    film, where = "x [mm],y [mm],z [mm],pressure [MPa]", (
+        ("film.csv", np.minimum(true, 1.5), 1.5), ("whole.csv", true, 9.0), ("plates.csv", np.full(40, 1.5), 9.0),
+    )  # fmt: skip
+    for name, values, end in where:
+        csv(tmp_path / name, film, at, values)
+        gone: Counter[str] = Counter()
+        reading, _ = read_press(job, name, None, gone)
+        assert np.array_equal(np.sort(reading.values), np.sort(values[values < end]))
+        left = int(np.sum(values >= end))
+        assert gone == ({f"{name}: at the end of the range (pressure {end:g})": left} if left else {})
+    force = np.minimum(way**2, 9.0)
+    csv(tmp_path / "press.csv", "stroke [mm],force [N]", way, force)
+    csv(tmp_path / "punch.csv", "depth [mm],force [N]", way, force)
+    csv(tmp_path / "hold.csv", "stroke [mm],force [N],time [s]", np.minimum(way, 3.0), force, 5.0 * way)
+    told: Counter[str] = Counter()
+    assert np.max(read_press(job, "press.csv", None, told)[0].values) < 9.0
+    assert np.max(read_force_depth(job, "punch.csv", None, told)[0].force) < 9.0
+    assert list(told.values()) == [11, 11]
+    assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
+
+
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:
     film(press, ())
     done = hf(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
@@ -37,6 +37,10 @@ class Reading(Protocol):
 
 
 R = TypeVar("R", bound=Reading)
+
+#: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
+#: touches has one thickness), and what moves while they are read: a hold reads the same without being at that end.
+_RANGED, _WAYS = ("pressure", "force"), (*"xyz", "stroke", "depth")
 
 
 @dataclass(frozen=True)
@@ -69,7 +73,7 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
 
     ``results`` are the columns that say what was read, the others where. Rows that agree number for number are copies
     where no place was read again with another result; else they may be readings that agree. Copies would pass for
-    repeats that have no noise.
+    repeats that have no noise. Pressures and forces at the end of an instrument's range are no readings either.
     """
     gone = Counter(table.left_out)
     where = [values for name, values in table.columns.items() if name not in results]
@@ -78,11 +82,40 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
     if len(first) == len(np.unique(rows[:, : len(where)], axis=0)) < len(rows):
         kept = np.sort(first)
         gone["row that stands there already"] += len(rows) - len(kept)
-        columns = {name: values[kept] for name, values in table.columns.items()}
-        table = replace(table, columns=columns, lines=table.lines[kept], left_out=dict(gone))
+        table = _rows(table, kept)
+    if results[0] in _RANGED:
+        ended = range_ended(table[results[0]])
+        if np.any(ended) and any(np.ptp(table[way][ended]) > 0.0 for way in _WAYS if way in table):
+            gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(
+                np.sum(ended)
+            )
+            table = _rows(table, np.flatnonzero(~ended))
+    table = replace(table, left_out=dict(gone))
     if left_out is not None:
         left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
     return table
+
+
+def _rows(table: Table, kept: NDArray[np.int64]) -> Table:
+    columns = {name: values[kept] for name, values in table.columns.items()}
+    return replace(table, columns=columns, lines=table.lines[kept])
+
+
+def range_ended(values: Array) -> Flags:
+    """Return which readings (n,), in no order, stand at the end of their instrument's range: at the largest one, digit
+    for digit, and more than three times as many as agree anywhere else above zero.
+
+    Some have to be less: where all agree, it is what there was to read.
+
+    >>> range_ended(np.array([0.0, 0.0, 0.0, 0.0, 1.1, 1.4, 2.0, 2.0, 2.0, 2.0])).sum()
+    4
+    >>> range_ended(np.full(9, 2.0)).any()
+    False
+    """
+    found, counts = np.unique(values, return_counts=True)
+    below = counts[:-1][found[:-1] > 0.0]
+    ended = len(below) > 0 and counts[-1] > 3 * np.max(below)
+    return np.asarray((values == found[-1]) & ended)
 
 
 def told_left_out(left_out: Mapping[str, int]) -> list[str]:
