@@ -140,8 +140,8 @@ def test_the_noise_of_what_specimens_become_narrower_by_has_the_covariance_of_it
 
 
 def staircase(random: np.random.Generator, moving: int) -> TestCurve:
-    """Return a specimen pulled by hand in steps of eight readings, so many of them on the way: it has a stiffness of its
-    own (8 %) and a contraction of its own (10 %)."""
+    """Return a specimen pulled by hand in steps of eight readings, so many of them on the way: its stiffness is its own
+    (8 %), and its contraction (10 %)."""
     way = np.minimum(np.arange(1, 9) / moving, 1.0)
     stretch = 1.0 + 0.02 * np.concatenate([[0.0], *(k + way for k in range(15))])
     stress = 0.3 * (stretch - stretch**-2) * (1.0 + 0.08 * random.standard_normal())

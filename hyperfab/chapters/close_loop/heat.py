@@ -26,6 +26,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
+from hyperfab.loop.probes import looked_through
 from hyperfab.thermal.contact import Contact
 from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -77,9 +78,10 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
-        found = close(problem, noise=level, tick=ticking(advance, 0.2))
+        found, odd = looked_through(problem, close(problem, noise=level, tick=ticking(advance, 0.2)))
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
-    result = describe(problem, found, "K", left_out, [], domain="heat")
+    job.console.warn(*odd)
+    result = describe(problem, found, "K", left_out, odd, domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}

@@ -1,0 +1,132 @@
+"""Is it the log that is wrong? Two probes of a mold that were plugged in crosswise, or one that is alone at fault."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+
+from hyperfab.arrays import Array
+from hyperfab.loop.confounding import is_strained
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.heat import HeatProblem
+from hyperfab.loop.judge import common_bic, structured
+from hyperfab.loop.problem import Curve
+from hyperfab.loop.thresholds import SHARE, SMALL
+
+#: Steps of a fit to a log put right: it either leaves noise soon or is not right.
+_STEPS = 12
+#: A log begins with the run where it does within this share of it; it begins elsewhere where it is off by so many
+#: standard deviations of what is known of the start.
+_SOON, _FAR = 0.01, 9.0
+#: Ways a probe alone may be off, where that is more and where it is less than it ought to be.
+_WAYS = (
+    ("reads {:.3g} K too much throughout", "reads {:.3g} K too little throughout"),
+    ("follows {:.3g} s late", "is {:.3g} s early"),
+    (
+        "reads {:.2g} of what it is above the air too much",
+        "reads {:.2g} of what it is above the air too little",
+    ),
+)
+
+
+def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[str]]:
+    """Return the finding, and what is told of the log itself where the model without effects does not explain it.
+
+    Where two probes exchanged leave noise, with nothing added and the constants where they may be, nothing is named: an
+    effect would only stand in for them.
+    """
+    if found.verdict == "noise":
+        return found, []
+    crossed = _crossed(problem, found)
+    if crossed is not None:
+        one, other, better = crossed
+        bare = replace(
+            found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[]
+        )
+        was, now = (float(np.sqrt(np.mean(left**2))) for left in (_left(problem, found.before.fit), better))
+        return bare, [
+            f"{one} and {other} look exchanged: with the columns of the two the other way round the model misses by "
+            f"{now:.3g} K with nothing added, {was:.3g} K as they are; check which probe is where, and exchange them"
+        ]
+    if found.verdict != "unexplained":
+        return found, []
+    return found, [*_begun(problem), *_alone(problem, found)]
+
+
+def _begun(problem: HeatProblem) -> Iterator[str]:
+    """Yield by how much the log begins warmer or colder than the document, where that is more than it may be."""
+    clock, known = problem.runs[0].clock[0], problem.own[problem.kinds.index("start")]
+    delivered = problem.predict(np.array([constant.value for constant in problem.own]), {})
+    first = np.array(
+        [curve.start for curve in problem.curves if curve.abscissa[0] <= _SOON * clock[-1]], dtype=int
+    )
+    off = (problem.measured - delivered)[first]
+    if len(off) and np.min(np.abs(off)) > _FAR * known.prior_sd and np.ptp(np.sign(off)) == 0.0:
+        which = "warmer" if off[0] > 0.0 else "colder"
+        yield (
+            f"the log begins {abs(float(np.mean(off))):.3g} K {which} than the document says; "
+            "give run.start what the probes read then"
+        )
+
+
+def _left(problem: HeatProblem, fitted: Fit) -> Array:
+    return problem.measured - fitted.predicted
+
+
+def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | None:
+    """Return the two probes that, exchanged, leave noise, and what is left [K] then."""
+    start, best = found.before.fit, None
+    for one, other in combinations(problem.curves, 2):
+        if not np.array_equal(one.abscissa, other.abscissa):
+            continue
+        data = problem.measured.copy()
+        data[one.rows], data[other.rows] = problem.measured[other.rows], problem.measured[one.rows]
+        given = [constant.value for constant in problem.own]
+        again = fit(problem, found.noise, {}, given, data=data, iterations=_STEPS)
+        if again.cost < (start if best is None else best[0]).cost:
+            best = (again, one.name, other.name, data - again.predicted)
+    if best is None or is_strained(problem, best[0]) or structured(best[0], problem, found.noise) > SMALL:
+        return None
+    bic = common_bic([best[0], found.after.fit], problem, found.noise) if found.after.ids else {}
+    if bic and found.verdict != "unexplained" and bic[found.after.ids] < bic[()]:
+        return None
+    return best[1:]
+
+
+def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
+    """Yield of a probe without which the model explains all others how it is off, and by how much."""
+    if len(problem.curves) < 3:
+        return
+    tried = []
+    for curve in problem.curves:
+        silent = found.noise.plain.sd.copy()
+        silent[curve.rows] = np.inf
+        given = [constant.value for constant in problem.own]
+        again = fit(problem, replace(found.noise.plain, sd=silent), {}, given, iterations=_STEPS)
+        free = len(again.residual) - (curve.stop - curve.start) - len(again.x)
+        beyond = again.chi2 / max(free, 1) - 1.0
+        if beyond <= SMALL**2 and not is_strained(problem, again):
+            tried.append((again.cost, curve, again))
+    if tried:
+        _, curve, again = min(tried, key=lambda one: one[0])
+        yield _of_one(problem, curve, again)
+
+
+def _of_one(problem: HeatProblem, curve: Curve, fitted: Fit) -> str:
+    """Return what is told of the probe that the others foretell otherwise."""
+    off, shown = _left(problem, fitted)[curve.rows], fitted.predicted[curve.rows]
+    rms = float(np.sqrt(np.mean(off**2)))
+    shapes = [np.ones(len(off)), -np.gradient(shown, curve.abscissa)]
+    if "above ambient_K" in problem.states:
+        shapes.append(problem.states["above ambient_K"][curve.rows])
+    sizes = [float(shape @ off) / max(float(shape @ shape), 1e-300) for shape in shapes]
+    left = [float(np.sum((off - size * shape) ** 2)) for size, shape in zip(sizes, shapes, strict=True)]
+    way = int(np.argmin(left))
+    told = f"{curve.name} alone is at odds with the model, which explains all the others and misses it by {rms:.3g} K"
+    if left[way] < 2.0 * SHARE * float(off @ off):
+        told += f"; it {_WAYS[way][sizes[way] < 0.0].format(abs(sizes[way]))}"
+    return f"{told}; check this probe, its place and its channel"

@@ -1,0 +1,96 @@
+"""Is it the log that is wrong: probes exchanged, one probe off, a log that begins warm; and a model that is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from hyperfab.chapters.close_loop import heat
+from hyperfab.chapters.job import Job
+from hyperfab.chapters.mold_heat.problem import MoldBuilder
+from hyperfab.console import Console
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.toml_io import load_toml
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.heat import HeatProblem
+from hyperfab.loop.noise_estimate import estimate_noise
+from hyperfab.loop.probes import looked_through
+from hyperfab.loop.search import Search
+
+NOISE = 0.2
+BAR = """format = "hyperfab.mold/1"
+[material.steel]
+density = "7850 kg/m^3"
+conductivity = "20 W/m/K"
+specific_heat = "480 J/kg/K"
+[[part]]
+name = "bar"
+material = "steel"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["90 mm", "30 mm", "30 mm"] }
+[[heater]]
+on = "bar.x-"
+power = "25 W"
+[[convection]]
+on = "exposed"
+h = "12 W/m^2/K"
+ambient = "22 degC"
+[run]
+start = "22 degC"
+until = "3000 s"
+mesh_size = "30 mm"
+""" + "".join(
+    f'[[probe]]\nname = "T{k}"\nat = ["{x} mm", "15 mm", "30 mm"]\n' for k, x in enumerate((5, 30, 60, 88), 1)
+)
+
+
+@cache
+def bar() -> HeatProblem:
+    document = parse_document(load_toml(BAR.encode(), "bar.toml"), "bar.toml", MoldDocument)
+    job = Job("close-loop", [], Console(True))
+    times = np.linspace(0.0, 3000.0, 61)
+    read = heat.Thermocouples(
+        times, np.full((61, 4), 22.0) + times[:, None] / 100.0, ["T1", "T2", "T3", "T4"]
+    )
+    return heat.pose(job, document, "bar.toml", MoldBuilder(document, "bar.toml", job.inputs), read, [], 0.1)
+
+
+def told(change: str) -> list[str]:
+    """Return what is told of a log of the bar with its constants a little off and something done to it."""
+    posed, rng = bar(), np.random.default_rng(4)
+    own = np.array([one.value + 0.3 * one.prior_sd * (-1.0) ** k for k, one in enumerate(posed.own)])
+    if change == "warm":
+        own[posed.kinds.index("start")] = 25.0
+    terms = {"sensor-lag": ("first-order", np.array([60.0]))} if change == "lag" else {}
+    rows = posed.predict(own, terms).reshape(4, -1)
+    rows = rows + NOISE * rng.standard_normal(rows.shape)
+    if change == "crossed":
+        rows[[1, 3]] = rows[[3, 1]]
+    if change == "offset":
+        rows[2] -= 4.0
+    if change == "early":
+        rows[0] = np.interp(np.arange(61) + 1.0, np.arange(61), rows[0])
+    problem = replace(posed, measured=rows.ravel())
+    noise = estimate_noise(problem, NOISE)
+    before = Search(problem, noise, lambda text: None, 6).base()
+    return looked_through(problem, Finding("unexplained", noise, before, before, {}, {}, {}, {}))[1]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("crossed", ("T2 and T4 look exchanged",)),
+        ("offset", ("T3 alone is at odds", "3.", "K too little throughout")),
+        ("early", ("T1 alone is at odds", "s early")),
+        ("warm", ("the log begins 25 K warmer",)),
+        ("lag", ()),
+    ],
+)
+def test_what_is_wrong_with_a_log_is_told(change: str, words: tuple[str, ...]) -> None:
+    found = told(change)
+    assert len(found) == bool(words), found
+    for word in words:
+        assert word in found[0]
