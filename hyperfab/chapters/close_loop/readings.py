@@ -107,9 +107,9 @@ def range_ended(values: Array) -> Flags:
 
     Some have to be less: where all agree, it is what there was to read.
 
-    >>> range_ended(np.array([0.0, 0.0, 0.0, 0.0, 1.1, 1.4, 2.0, 2.0, 2.0, 2.0])).sum()
+    >>> int(range_ended(np.array([0.0, 0.0, 0.0, 0.0, 1.1, 1.4, 2.0, 2.0, 2.0, 2.0])).sum())
     4
-    >>> range_ended(np.full(9, 2.0)).any()
+    >>> bool(range_ended(np.full(9, 2.0)).any())
     False
     """
     found, counts = np.unique(values, return_counts=True)
