@@ -11,7 +11,6 @@ from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import clearly
 
-
 #: A way back that is smaller than this share of a curve's reach is a wobble, no turn.
 _TURN = 0.02
 
