@@ -45,6 +45,7 @@ class NoiseFigures(Part):
     specimen_scatter: float | None = optional(
         "relative standard deviation of the stiffness between specimens"
     )
+    contraction_scatter: float | None = optional("the same of how much narrower they become")
     correlation: float | None = optional("between neighbouring readings")
     assumed_scatter: float | None = optional(
         "scatter of specimens that was taken for what is left, though no two were alike"

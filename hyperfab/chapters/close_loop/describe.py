@@ -61,6 +61,7 @@ def describe(
             source=found.noise.source,
             degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
             specimen_scatter=found.noise.gain_sd or None,
+            contraction_scatter=found.noise.across_sd or None,
             correlation=found.noise.correlation or None,
             assumed_scatter=found.assumed or None,
         ),

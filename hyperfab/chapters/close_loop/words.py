@@ -230,8 +230,10 @@ def _shares(noise: NoiseFigures) -> str:
     if noise.specimen_scatter is None:
         return ""
     taken = ", as those of one cloth scatter" if noise.assumed_scatter else ""
+    across = noise.contraction_scatter
+    more = "" if across is None else f" and {100.0 * across:.2g} % in contraction"
     return (
-        f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness between "
+        f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness{more} between "
         f"specimens{taken})"
     )
 
