@@ -29,22 +29,16 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has FElupe")
     parser.add_argument("--cells", default="40", help="cells along a side of FElupe's mesh")
-    parser.add_argument(
-        "--calculix-cells", default="40", help="cells along a side of CalculiX's mesh; 0 leaves it out"
-    )
+    parser.add_argument("--calculix-cells", default="40", help="cells along a side of CalculiX's mesh; 0 leaves it out")
     options = parser.parse_args()
     print("| program | linear solver | unknowns | CPU s | error of the force |")
     print("|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         sheet = Path(folder) / "sheet.json"
-        sheet.write_text(
-            '{"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}'
-        )
+        sheet.write_text('{"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}}')
         for mesh in ("16mm", "8mm", "4mm"):
             command = [sys.executable, "-m", "hyperfab", "fabric-contact", str(sheet), "--mesh-size", mesh]
             row("hyperfab", "its own", [*command, "--quiet", "-o", "-"])

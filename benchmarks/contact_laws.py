@@ -80,9 +80,7 @@ def verdict(part: dict) -> str:
     words = []
     stability = part["stability"]
     if not stability["stable"]:
-        words.append(
-            f"unstable at {stability['first_unstable_depth_mm']:.1f} mm ({stability['stretches'][0]:.2f})"
-        )
+        words.append(f"unstable at {stability['first_unstable_depth_mm']:.1f} mm ({stability['stretches'][0]:.2f})")
     snap = re.search(r"snaps between ([\d.]+) and ([\d.]+) mm", part.get("status") or "")
     if snap:
         words.append(f"snaps between {snap[1]} and {snap[2]} mm")
@@ -123,9 +121,7 @@ def main() -> None:
     """Print the tables, law by law."""
     parser = argparse.ArgumentParser(description="All laws on the sphere: constants A against constants B.")
     parser.add_argument("laws", nargs="*", help="names of laws; all where none is given")
-    parser.add_argument(
-        "--data", type=Path, default=TESTS, help="folder of uniaxial.csv, shear.csv, biaxial.csv"
-    )
+    parser.add_argument("--data", type=Path, default=TESTS, help="folder of uniaxial.csv, shear.csv, biaxial.csv")
     given = parser.parse_args()
     laws = given.laws
     if not laws:

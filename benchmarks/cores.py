@@ -66,9 +66,7 @@ def gap(size: float) -> Callable[[], bytes]:
     with tempfile.TemporaryDirectory() as folder:
         write_pair(int(size), Path(folder, "pair.npz"))
         with np.load(Path(folder, "pair.npz")) as data:
-            v, f, p, n = (
-                np.ascontiguousarray(data[key]) for key in ("vertices", "faces", "points", "normals")
-            )
+            v, f, p, n = (np.ascontiguousarray(data[key]) for key in ("vertices", "faces", "points", "normals"))
 
     def work(faces: np.ndarray = f, points: np.ndarray = p, normals: np.ndarray = n) -> bytes:
         surface, order = Surface(v, faces), along_a_curve(points)
@@ -152,9 +150,7 @@ def heat(size: float) -> Callable[[], bytes]:
 
 def main() -> None:
     """Print a line for each task."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tasks", nargs="*", metavar="TASK", help=", ".join(SIZES))
     parser.add_argument("--small", action="store_true", help="sizes for a test of this script")
     parser.add_argument("--pairs", type=int, default=3, help="runs of one and of two threads")

@@ -41,9 +41,7 @@ direct knows one grid. It comes to rest in other facets than hyperfab, some 1e-3
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", default="50,100,200")
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has newton")
     options = parser.parse_args()

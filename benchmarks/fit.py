@@ -38,13 +38,9 @@ MORE = (
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", default=str(HERE.parent / "specimens" / "treloar-1944"))
-    parser.add_argument(
-        "--peers", default=sys.executable, help="interpreter that has felupe and hyperelastic"
-    )
+    parser.add_argument("--peers", default=sys.executable, help="interpreter that has felupe and hyperelastic")
     options = parser.parse_args()
     curves = read(Path(options.data))
     found = {"hyperfab": ours(curves)}
@@ -75,11 +71,7 @@ def read(folder: Path) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return stretch and nominal stress of each test."""
     found = {}
     for mode in MODES:
-        rows = [
-            line.split(",")
-            for line in (folder / f"{mode}.csv").read_text().splitlines()
-            if line[:1].isdigit()
-        ]
+        rows = [line.split(",") for line in (folder / f"{mode}.csv").read_text().splitlines() if line[:1].isdigit()]
         table = np.array(rows, dtype=float)
         found[mode] = (table[:, 0], table[:, 1])
     return found

@@ -46,9 +46,7 @@ TRIMESH_LIMIT = 60_000
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", default="50000,200000,1000000")
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has the other programs")
     options = parser.parse_args()
@@ -86,9 +84,7 @@ def table(size: int, folder: Path, peers: str) -> None:
     two = runs["hyperfab-2"]
     if ours is not None and two is not None:
         same = "the same" if np.array_equal(ours[1], two[1]) else "OTHER"
-        print(
-            f"{'':>10} two threads {ours[0]['wall'] / two[0]['wall']:.2f} times as fast as one, {same} bytes\n"
-        )
+        print(f"{'':>10} two threads {ours[0]['wall'] / two[0]['wall']:.2f} times as fast as one, {same} bytes\n")
 
 
 def write_pair(size: int, path: Path) -> int:

@@ -47,17 +47,13 @@ CALCULIX = {20: 5}
 
 def main() -> None:
     """Run the peers and print one table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--sizes", default="20", help="thousands of unknowns, of 20, 100, 300")
     parser.add_argument("--steps", type=int, default=100)
     parser.add_argument("--peers", default=sys.executable, help="interpreter that has NGSolve")
     options = parser.parse_args()
     print(f"{options.steps} backward-Euler steps of 30 s; CPU seconds, one thread")
-    print(
-        f"{'unknowns':>9} {'film':7} {'program':16} {'total':>9} {'a step':>8} {'GB':>5}  {'differs by':>10}"
-    )
+    print(f"{'unknowns':>9} {'film':7} {'program':16} {'total':>9} {'a step':>8} {'GB':>5}  {'differs by':>10}")
     with tempfile.TemporaryDirectory() as folder:
         for size in (int(text) for text in options.sizes.split(",")):
             mesh = Path(folder) / f"{size}.npz"

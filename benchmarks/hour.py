@@ -94,9 +94,7 @@ def mold(mesh: str, until: str, *, full: bool) -> str:
 
 def main() -> None:
     """Print a line a run, and how far the runs differ."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--mesh", default="8 mm", help="length of edges")
     parser.add_argument("--until", default="3600 s")
     parser.add_argument("--threads", default="1,2")

@@ -82,9 +82,7 @@ def foam(changed: dict[str, str]) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--drape", type=Path)
     parser.add_argument("--gap", default="3mm")
     parser.add_argument("--dwell", default="5s")

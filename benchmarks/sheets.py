@@ -83,9 +83,7 @@ def pressed(name: str, shape: str) -> list[tuple[float, float]]:
         fabric = {"format": "hyperfab.material/1", "model": name, "parameters": LAWS[name]}
         (Path(folder) / "fabric.json").write_text(json.dumps(fabric))
         words = f"fabric-contact fabric.json --shape {shape} --size {SIDE:g}mm --thickness 1mm"
-        words += (
-            f" --sphere-radius {RADIUS:g}mm --depth {DEPTHS[-1]:g}mm --steps {len(DEPTHS)} --mesh-size 4mm"
-        )
+        words += f" --sphere-radius {RADIUS:g}mm --depth {DEPTHS[-1]:g}mm --steps {len(DEPTHS)} --mesh-size 4mm"
         words += " --quiet -o out.json"
         subprocess.run([sys.executable, "-m", "hyperfab", *words.split()], cwd=folder, check=True)
         with (Path(folder) / "out.csv").open(newline="") as rows:

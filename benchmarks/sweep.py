@@ -142,9 +142,7 @@ def chaos(count: int, interval: float = 20.0) -> bool:
         disturbed = time.monotonic() - start
         status = process.returncode
         if not (folder / "out" / "sweep.csv").exists():
-            print(
-                f"no table: the last driver ended with {status} after {disturbed:.0f} s, {workers} workers killed"
-            )
+            print(f"no table: the last driver ended with {status} after {disturbed:.0f} s, {workers} workers killed")
             return False
         start = time.monotonic()
         _hf(folder, "serial", 1).wait()
@@ -180,9 +178,7 @@ def _sample_study(folder: Path, count: int) -> None:
 def _workers(driver: subprocess.Popen[bytes]) -> list[psutil.Process]:
     """The driver's worker processes; none where it has just ended."""
     try:
-        return [
-            one for one in psutil.Process(driver.pid).children() if "spawn_main" in " ".join(one.cmdline())
-        ]
+        return [one for one in psutil.Process(driver.pid).children() if "spawn_main" in " ".join(one.cmdline())]
     except psutil.NoSuchProcess:
         return []
 

@@ -100,7 +100,5 @@ def data_dir() -> Path:
     """The folder of measured data, which is not part of the repository (HYPERFAB_DATA names it)."""
     folder = Path(os.environ.get("HYPERFAB_DATA", ROOT.parent / "shared" / "data"))
     if not folder.is_dir():
-        pytest.skip(
-            "measured data not here: set HYPERFAB_DATA to the folder that holds treloar-1944/ and others"
-        )
+        pytest.skip("measured data not here: set HYPERFAB_DATA to the folder that holds treloar-1944/ and others")
     return folder

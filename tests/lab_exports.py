@@ -118,9 +118,7 @@ def labs() -> dict[str, bytes]:
                 *[f"{f},{x},{k}" for k, x, f, *_ in ROWS],
             ]
         ).encode(),
-        "hounsfield": joined(
-            ["QMAT 5.3", "Ext (mm)\tForce (N)", *[f"{x}\t{f}" for _, x, f, *_ in ROWS]]
-        ).encode(),
+        "hounsfield": joined(["QMAT 5.3", "Ext (mm)\tForce (N)", *[f"{x}\t{f}" for _, x, f, *_ in ROWS]]).encode(),
         "galdabini": joined(
             ["LABTEST;;", "Provino n.;1;", "Tempo [s];Allungamento [mm];Forza [daN]"]
             + [f"{k};{comma(x)};{comma(shifted(f, -1))}" for k, x, f, *_ in ROWS]
@@ -142,8 +140,7 @@ def labs() -> dict[str, bytes]:
             + [f'"a_{k:04d}.tif","{k}","{f}","{shifted(e, -2)}"' for k, _, f, e, _ in ROWS]
         ).encode(),
         "vic_engineering": joined(
-            ['"Index","exx [1] - engr.","Force [N]"']
-            + [f"{k},{shifted(e, -2)},{f}" for k, _, f, e, _ in ROWS]
+            ['"Index","exx [1] - engr.","Force [N]"'] + [f"{k},{shifted(e, -2)},{f}" for k, _, f, e, _ in ROWS]
         ).encode(),
         "catman": joined(
             ["Catman Version 5", "T0 = 22.11.2026", "Zeit  1 - Standardmessrate [s]\tKraft [N]\tWeg [mm]"]
@@ -163,8 +160,7 @@ def labs() -> dict[str, bytes]:
             ["Dehnung [%];Kraft [N/50 mm]", *[f"{comma(e)};{comma(times(s, 25))}" for *_, e, s in ROWS]]
         ).encode(),
         "thousands_point": joined(
-            ["Weg [µm];Kraft [mN]"]
-            + [f"{comma(times(x, 1000))};{grouped(f, '.', ',')}" for _, x, f, *_ in ROWS]
+            ["Weg [µm];Kraft [mN]"] + [f"{comma(times(x, 1000))};{grouped(f, '.', ',')}" for _, x, f, *_ in ROWS]
         ).encode("cp1252"),
         "fortran": joined(
             ["  STRAIN        STRESS_MPa", *[f"  {fortran(e)}  {fortran(s)}" for e, s in PULL]], "\n"
@@ -180,8 +176,7 @@ def labs() -> dict[str, bytes]:
             + ["Mittelwert;27,5;0,57", "Standardabweichung;0;0"]
         ).encode("cp1252"),
         "dates_with_halves_of_the_day": joined(
-            ["Date,Time,Strain (%),Stress (MPa)"]
-            + [f"11/22/2026,10:00:{k:02d} PM,{e},{s}" for k, _, _, e, s in ROWS]
+            ["Date,Time,Strain (%),Stress (MPa)"] + [f"11/22/2026,10:00:{k:02d} PM,{e},{s}" for k, _, _, e, s in ROWS]
         ).encode(),
     }
 

@@ -40,9 +40,7 @@ def times(text: str, factor: int) -> str:
 
 
 def plain() -> str:
-    return "# test: uniaxial\nstretch [-],stress [MPa]\n" + "".join(
-        f"{1 + float(e):g},{s}\n" for e, s in PULL
-    )
+    return "# test: uniaxial\nstretch [-],stress [MPa]\n" + "".join(f"{1 + float(e):g},{s}\n" for e, s in PULL)
 
 
 def plain_strain() -> str:
@@ -50,9 +48,7 @@ def plain_strain() -> str:
 
 
 def plain_force() -> str:
-    head = (
-        f"# test: uniaxial\n# gauge length: {LENGTH} mm\n# width: {WIDTH} mm\n# thickness: {THICKNESS} mm\n"
-    )
+    head = f"# test: uniaxial\n# gauge length: {LENGTH} mm\n# width: {WIDTH} mm\n# thickness: {THICKNESS} mm\n"
     return head + "extension [mm],force [N]\n" + "".join(f"{x},{f}\n" for x, f in raw())
 
 
@@ -69,9 +65,7 @@ def joined(lines: list[str], ends: str = "\r\n") -> str:
     return ends.join([*lines, ""])
 
 
-def workbook(
-    sheets: dict[str, list[list[object]]], percent: frozenset[tuple[int, int]] = frozenset()
-) -> bytes:
+def workbook(sheets: dict[str, list[list[object]]], percent: frozenset[tuple[int, int]] = frozenset()) -> bytes:
     """Return an .xlsx of rows of cells: text, numbers (decimal text in a 1-tuple), None; some in per cent."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as book:
@@ -79,9 +73,7 @@ def workbook(
             "[Content_Types].xml",
             '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types"/>',
         )
-        names = "".join(
-            f'<sheet name="{escape(n)}" sheetId="{k}" r:id="rId{k}"/>' for k, n in enumerate(sheets, 1)
-        )
+        names = "".join(f'<sheet name="{escape(n)}" sheetId="{k}" r:id="rId{k}"/>' for k, n in enumerate(sheets, 1))
         book.writestr("xl/workbook.xml", f'<workbook xmlns:r="r"><sheets>{names}</sheets></workbook>')
         links = "".join(
             f'<Relationship Id="rId{k}" Target="worksheets/sheet{k}.xml"/>' for k in range(1, len(sheets) + 1)
@@ -164,8 +156,7 @@ def bluehill_universal() -> bytes:
         "(s),(mm),(N),(%),(MPa)",
     ]
     lines += [
-        f'"{k}","{x}","{f}","{shifted(e, 2)}","{s}"'
-        for k, ((x, f), (e, s)) in enumerate(zip(raw(), PULL, strict=True))
+        f'"{k}","{x}","{f}","{shifted(e, 2)}","{s}"' for k, ((x, f), (e, s)) in enumerate(zip(raw(), PULL, strict=True))
     ]
     return joined(lines).encode("utf-8-sig")
 
@@ -258,8 +249,7 @@ def gom() -> bytes:
     lines = ["# GOM Correlate", "Stage;Time [s];Technical strain.Y [%];Force [N]"]
     lines[1] = "Stage;Time [s];e_yy [%];Force [N]"
     return joined(
-        lines
-        + [f"{k};{k};{shifted(e, 2)};{f}" for k, ((_, f), (e, _)) in enumerate(zip(raw(), PULL, strict=True))]
+        lines + [f"{k};{k};{shifted(e, 2)};{f}" for k, ((_, f), (e, _)) in enumerate(zip(raw(), PULL, strict=True))]
     ).encode()
 
 
@@ -276,9 +266,7 @@ def excel_french() -> bytes:
 
 def excel_italian() -> bytes:
     lines = ["Prova di trazione;;", "Deformazione {%};Sforzo {kPa};Note"]
-    return joined(lines + [f"{comma(shifted(e, 2))};{comma(shifted(s, 3))};" for e, s in PULL]).encode(
-        "mac_roman"
-    )
+    return joined(lines + [f"{comma(shifted(e, 2))};{comma(shifted(s, 3))};" for e, s in PULL]).encode("mac_roman")
 
 
 def excel_portuguese() -> bytes:
@@ -345,10 +333,7 @@ def others() -> dict[str, bytes]:
                     [],
                     [None, "Probe 1", None, "Probe 2", None],
                     ["Nr", "Dehnung [%]", "Spannung [MPa]", "Dehnung [%]", "Spannung [MPa]"],
-                    *[
-                        [(str(k),), (shifted(e, 2),), (s,), (shifted(e, 2),), (s,)]
-                        for k, (e, s) in enumerate(pull)
-                    ],
+                    *[[(str(k),), (shifted(e, 2),), (s,), (shifted(e, 2),), (s,)] for k, (e, s) in enumerate(pull)],
                 ]
             }
         ),
@@ -490,10 +475,7 @@ def others() -> dict[str, bytes]:
             [
                 "Strain;Force;Time",
                 "<%>;<N>;<s>",
-                *[
-                    f"{shifted(e, 2)};{f};{k}"
-                    for k, ((e, _), (_, f)) in enumerate(zip(pull, force, strict=True))
-                ],
+                *[f"{shifted(e, 2)};{f};{k}" for k, ((e, _), (_, f)) in enumerate(zip(pull, force, strict=True))],
             ]
         ).encode(),
         "excel_text_numbers": workbook(

@@ -27,9 +27,7 @@ def office() -> dict[str, bytes]:
     timed = [(k, x, f) for k, (x, f) in enumerate(force)]
     german = [(comma(e), comma(s)) for e, s in strain]
     return {
-        "chinese": table("序号,时间(s),位移(mm),力(N)", [(k, *row) for k, row in enumerate(timed)]).encode(
-            "gb18030"
-        ),
+        "chinese": table("序号,时间(s),位移(mm),力(N)", [(k, *row) for k, row in enumerate(timed)]).encode("gb18030"),
         "centinewton_behind_names": table(
             "Elongation mm\tForce cN", [(x, times(f, 100)) for x, f in force], "\t"
         ).encode(),
@@ -59,18 +57,14 @@ def office() -> dict[str, bytes]:
                 *[f"{x},{f}" for x, f in force],
             ]
         ).encode(),
-        "blank_columns": table(
-            "Dehnung [%];;Spannung [MPa];;", [(e, "", s) for e, s in german], ";", ";;"
-        ).encode(),
+        "blank_columns": table("Dehnung [%];;Spannung [MPa];;", [(e, "", s) for e, s in german], ";", ";;").encode(),
         "comma_at_the_end": joined(
             ["Specimen 1,,,", "Time,Extension,Load,", "s,mm,N,", *[f"{k},{x},{f}," for k, x, f in timed]]
         ).encode(),
         "units_called_so": joined(
             ["Name,Time,Extension,Load", "Unit,s,mm,N", *[f"{k},{k},{x},{f}" for k, x, f in timed]]
         ).encode(),
-        "thousands_swiss": table(
-            "Weg [mm];Kraft [mN]", [(x, grouped(f, "'", ".")) for x, f in force], ";"
-        ).encode(),
+        "thousands_swiss": table("Weg [mm];Kraft [mN]", [(x, grouped(f, "'", ".")) for x, f in force], ";").encode(),
         "thousands_blank": table(
             "Weg [mm];Kraft [mN]", [(comma(x), grouped(f, " ", ",")) for x, f in force], ";"
         ).encode(),
@@ -97,9 +91,7 @@ def office() -> dict[str, bytes]:
                 ]
             }
         ),
-        "numbers_as_formulas": table(
-            "Strain [%],Stress [MPa]", [(f'="{e}"', f'="{s}"') for e, s in strain]
-        ).encode(),
+        "numbers_as_formulas": table("Strain [%],Stress [MPa]", [(f'="{e}"', f'="{s}"') for e, s in strain]).encode(),
         "rheometer_that_pulls": (
             "Project:\tFabric\r\nTest:\tTension 1\r\n\r\nInterval and data points:\t1\t10\r\n"
             "Interval data:\tPoint No.\tTime\tGap\tNormal Force\r\n\t\t\t\t\r\n\t\t[s]\t[mm]\t[N]\r\n"
@@ -109,9 +101,9 @@ def office() -> dict[str, bytes]:
             "Load (N),Machine Extension (mm),Load (N) filtered", [(f, x, "") for x, f in force]
         ).encode(),
         "distance": table("Force (N),Distance (mm),Time (sec)", [(f, x, k) for k, x, f in timed]).encode(),
-        "micrometres": table(
-            "Verformung µm;Kraft N", [(times(x, 1000), comma(f)) for x, f in force], ";"
-        ).encode("cp1252"),
+        "micrometres": table("Verformung µm;Kraft N", [(times(x, 1000), comma(f)) for x, f in force], ";").encode(
+            "cp1252"
+        ),
         "image_correlation": table(
             "Frame,eyy,Load [N]",
             [(k, e, f) for k, ((e, _), (_, f)) in enumerate(zip(PULL, force, strict=True))],
@@ -181,9 +173,7 @@ def to_settle() -> dict[str, bytes]:
             ";",
         ).encode(),
         "turkish": table("Zaman (s);Uzama (mm);Kuvvet (N)", timed, ";").encode("cp1254"),
-        "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode(
-            "utf-8-sig"
-        ),
+        "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
         "czech": table("Čas [s];Prodloužení [mm];Síla [N]", timed, ";").encode(),
         "strain_in_two_units": table(
             "Strain (%),Strain (mm/mm),Stress (MPa)",
@@ -192,9 +182,6 @@ def to_settle() -> dict[str, bytes]:
         "volts": table("Kanal 1 [V];Kanal 2 [V]", [(f"{1 + float(e):g}", s) for e, s in PULL], ";").encode(),
         "either_axis": table(
             "Frame,exx,eyy,Load [N]",
-            [
-                (k, f"{-0.3 * float(e):.4f}", e, f)
-                for k, ((e, _), (_, f)) in enumerate(zip(PULL, force, strict=True))
-            ],
+            [(k, f"{-0.3 * float(e):.4f}", e, f) for k, ((e, _), (_, f)) in enumerate(zip(PULL, force, strict=True))],
         ).encode(),
     }

@@ -15,6 +15,5 @@ PACKAGE = Path(hyperfab.__file__).parent
 def parsed() -> dict[Path, ast.Module]:
     """Return the tree of every module, by its path in the package."""
     return {
-        path.relative_to(PACKAGE): ast.parse(path.read_text(encoding="utf-8"))
-        for path in sorted(PACKAGE.rglob("*.py"))
+        path.relative_to(PACKAGE): ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))
     }

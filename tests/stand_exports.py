@@ -103,8 +103,7 @@ def stands() -> dict[str, bytes]:
             + [f";{k};{comma(x)};{comma(f)}" for k, x, f in TIMED]
         ).encode(),
         "length_by_its_letter": joined(
-            ["L [mm];F [N];L0 [mm]"]
-            + [f"{comma(str(100 + Decimal(x)))};{comma(f)};100,0" for _, x, f in TIMED]
+            ["L [mm];F [N];L0 [mm]"] + [f"{comma(str(100 + Decimal(x)))};{comma(f)};100,0" for _, x, f in TIMED]
         ).encode(),
         "spanish_workbook": workbook(
             {
@@ -133,8 +132,7 @@ def stands_to_settle() -> dict[str, bytes]:
     """Files that are refused with the option that settles them."""
     return {
         "wintest": joined(
-            ["winTest Analysis", "Test No.,1", "Def. (mm),Force (N),Time (s)"]
-            + [f"{x},{f},{k}" for k, x, f in TIMED]
+            ["winTest Analysis", "Test No.,1", "Def. (mm),Force (N),Time (s)"] + [f"{x},{f},{k}" for k, x, f in TIMED]
         ).encode(),
         "nexygen_french": joined(
             ["NEXYGENPlus", "Charge (N);Extension depuis précharge (mm);Temps (s)"]
@@ -145,8 +143,7 @@ def stands_to_settle() -> dict[str, bytes]:
             + [f"{k}\t{comma(x)}\t{comma(f)}\t{comma(f'{float(f) / 9.80665:.5f}')}" for k, x, f in TIMED]
         ).encode("latin-1"),
         "dewesoft": joined(
-            ["Data1", "", "Time (s)\tForce/AI 1 (N)\tDisp/AI 2 (mm)"]
-            + [f"{k}\t{f}\t{x}" for k, x, f in TIMED]
+            ["Data1", "", "Time (s)\tForce/AI 1 (N)\tDisp/AI 2 (mm)"] + [f"{k}\t{f}\t{x}" for k, x, f in TIMED]
         ).encode(),
         "strain_and_its_correction": joined(
             ["Time (s),Corrected Strain (%),Strain (%),Stress (MPa)"]

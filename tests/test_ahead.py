@@ -36,9 +36,7 @@ def python(folder: Path, text: str, *words: str, **env: str) -> subprocess.Compl
     return subprocess.run(
         [sys.executable, "-c", text, *words],
         cwd=folder,
-        env=os.environ
-        | {"PYTHONPATH": f"{ROOT}{os.pathsep}{folder}", "NUMBA_CACHE_DIR": str(folder / "cache")}
-        | env,
+        env=os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{folder}", "NUMBA_CACHE_DIR": str(folder / "cache")} | env,
         capture_output=True,
         text=True,
         check=False,
@@ -62,9 +60,7 @@ def test_every_kernel_that_is_listed_is_found_by_a_build(tmp_path: Path) -> None
     assert done.stdout.split() == sorted(listed())
 
 
-@pytest.mark.skipif(
-    not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev"
-)
+@pytest.mark.skipif(not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev")
 def test_the_build_has_compiled_every_kernel_that_is_listed() -> None:
     compiled = {path.name.partition(".py3")[0] for path in kernels.AHEAD.glob("*.nbi")}
     assert [name for name in listed() if name.removeprefix("hyperfab.") not in compiled] == []
@@ -124,9 +120,7 @@ def test_so_it_is_when_what_it_calls_stands_below_it(tmp_path: Path) -> None:
     # While its own lines are read, what stands below is not there: it cannot be known by that then.
     below = CALLED.split("\n", 2)[2].format(factor=1.0, added="{added}")
     for added, answer in ((1.0, 2.0), (2.0, 3.0)):
-        text = USES.replace(
-            "from called import called, FACTOR\n", "from hyperfab.numerics.kernels import part\n"
-        )
+        text = USES.replace("from called import called, FACTOR\n", "from hyperfab.numerics.kernels import part\n")
         (tmp_path / "uses.py").write_text(text + below.format(added=added))
         done = python(tmp_path, ASKS, PYTHONDONTWRITEBYTECODE="1")
         assert done.stdout == f"{answer}\n", done.stderr

@@ -23,9 +23,7 @@ def test_a_measured_curve_is_held_by_one_class() -> None:
     found = []
     for path, node in classes():
         fields = {
-            one.target.id
-            for one in node.body
-            if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
+            one.target.id for one in node.body if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
         }
         if {"stretch", "stress"} <= fields and node.name not in NO_CURVE:
             found.append((path, node.name))
@@ -39,15 +37,11 @@ def called(tree: ast.Module) -> set[str]:
 
 @pytest.mark.parametrize("law", ["Orthotropic.of", "Hyperfoam.of"])
 def test_constants_of_a_document_become_a_law_in_one_reader(law: str) -> None:
-    readers = [
-        path.name for path, tree in parsed().items() if "chapters" in path.parts and law in called(tree)
-    ]
+    readers = [path.name for path, tree in parsed().items() if "chapters" in path.parts and law in called(tree)]
     assert readers == ["fabric.py"]
 
 
-def test_no_chapter_is_imported_by_a_name_made_of_text_and_no_words_are_read_but_by_the_command_line() -> (
-    None
-):
+def test_no_chapter_is_imported_by_a_name_made_of_text_and_no_words_are_read_but_by_the_command_line() -> None:
     """What import-linter cannot see, it cannot hold; what argv says is in the case."""
     for path, tree in parsed().items():
         text = (PACKAGE / path).read_text(encoding="utf-8")

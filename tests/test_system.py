@@ -56,9 +56,7 @@ def without_posix(folder: Path, *words: str) -> subprocess.CompletedProcess[str]
 def test_a_fit_writes_its_document_and_its_picture_byte_by_byte(tmp_path: Path) -> None:
     rows = "\n".join(f"{1 + 0.1 * i},{0.4 * ((1 + 0.1 * i) - (1 + 0.1 * i) ** -2)}" for i in range(1, 8))
     (tmp_path / "pull.csv").write_text(f"stretch,stress [MPa]\n{rows}\n")
-    done = without_posix(
-        tmp_path, "fit", "--uniaxial", "pull.csv", "--model", "neo-hookean", "-o", "fit.json"
-    )
+    done = without_posix(tmp_path, "fit", "--uniaxial", "pull.csv", "--model", "neo-hookean", "-o", "fit.json")
     assert done.returncode == 0, done.stderr
     assert b"\r" not in (tmp_path / "fit.json").read_bytes()
     assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG\r\n\x1a\n")

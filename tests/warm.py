@@ -57,11 +57,7 @@ class Warm:
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as said:
             reading, writing = os.pipe()
             # A pipe holds 64 KiB; what is longer comes from a process of its own.
-            source = (
-                subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=writing)
-                if len(stdin) > 60_000
-                else None
-            )
+            source = subprocess.Popen(["cat"], stdin=subprocess.PIPE, stdout=writing) if len(stdin) > 60_000 else None
             if source is None:
                 os.write(writing, stdin)
             os.close(writing)

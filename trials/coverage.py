@@ -123,9 +123,7 @@ def table(labs: int, scatters: Sequence[float], form: float) -> None:
             flush=True,
         )
     values = np.concatenate(every)
-    print(
-        f"mean {values.mean():.1f} %, least {values.min():.1f} %, most {values.max():.1f} % over {labs} labs a row"
-    )
+    print(f"mean {values.mean():.1f} %, least {values.min():.1f} %, most {values.max():.1f} % over {labs} labs a row")
 
 
 if __name__ == "__main__":

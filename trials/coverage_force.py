@@ -130,9 +130,7 @@ def press_of(kind: str, name: str) -> Press:
     return Sphere(name) if kind == "sphere" else Ball(name, kind == "membrane")
 
 
-def fitted(
-    name: str, tests: Sequence[str], specimens: int, scatter: float, draw: np.random.Generator
-) -> Identified:
+def fitted(name: str, tests: Sequence[str], specimens: int, scatter: float, draw: np.random.Generator) -> Identified:
     """Return what a lab fits."""
     setting = Setting(tuple(tests), relative=True, stable=False, accept=1.0)
     found = identify(law(name), lab(name, tuple(tests), specimens, scatter, draw), setting)
@@ -224,9 +222,7 @@ def main() -> None:
     for name in TRUTHS:
         presses = {kind: press_of(kind, name) for kind in kinds}
         for tests in TESTS:
-            every = [
-                labs_of(name, tests, count, scatter, labs) for count in SPECIMENS for scatter in SCATTERS
-            ]
+            every = [labs_of(name, tests, count, scatter, labs) for count in SPECIMENS for scatter in SCATTERS]
             together = np.concatenate([one.values for one in every])
             for kind, press in presses.items():
                 near = Near(press, name, together)
@@ -238,9 +234,7 @@ def main() -> None:
         for kind, press in presses.items():
             _beside_runs(kind, press, every[-1])
     for kind, found in shares.items():
-        print(
-            f"{kind}: mean {np.mean(found):.2f} %, least {min(found):.2f}, most {max(found):.2f}, {labs} labs a row"
-        )
+        print(f"{kind}: mean {np.mean(found):.2f} %, least {min(found):.2f}, most {max(found):.2f}, {labs} labs a row")
 
 
 def covered(kind: str, labs: Labs, truth: float, near: Near) -> float:
@@ -269,9 +263,7 @@ def _beside_runs(kind: str, press: Press, labs: Labs) -> None:
     outcomes = np.array([press.force(values + z @ columns) for z in drawn])
     full = sampled(force, outcomes, drawn, [source])
     ends = max(abs(band.low - full.low), abs(band.high - full.high)) / full.sd
-    print(
-        f"  {kind}: linear sd {band.sd:.4g}, {RUNS} runs {full.sd:.4g}: ends {ends:.3f} sd apart", flush=True
-    )
+    print(f"  {kind}: linear sd {band.sd:.4g}, {RUNS} runs {full.sd:.4g}: ends {ends:.3f} sd apart", flush=True)
 
 
 if __name__ == "__main__":

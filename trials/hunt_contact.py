@@ -30,10 +30,7 @@ def fabric(model: str = "neo-hookean", **parameters: float) -> dict[str, Any]:
 
 def two_ways(warp: float, weft: float) -> dict[str, Any]:
     """Return a fabric whose directions differ."""
-    ways = {
-        name: {"parameters": {"C10_MPa": c, "C20_MPa": 0.1 * c}}
-        for name, c in (("warp", warp), ("weft", weft))
-    }
+    ways = {name: {"parameters": {"C10_MPa": c, "C20_MPa": 0.1 * c}} for name, c in (("warp", warp), ("weft", weft))}
     return {**fabric("yeoh-2", C10_MPa=0.5 * (warp + weft), C20_MPa=0.05 * (warp + weft)), "directions": ways}
 
 
@@ -276,9 +273,7 @@ def bounds(hunt: Hunt) -> None:
     rubbed = [press(fabric(), friction=mu)["force_N"] for mu in ("0.1", "0.5", "2")]
     stuck = press(fabric(), friction="stick")["force_N"]
     rising = bool((np.diff([force, *rubbed]) > 0.0).all()) and stuck >= 0.995 * rubbed[-1]
-    hunt.judge(
-        f"{name}: friction makes it stiffer, up to stick", rising, [round(one, 3) for one in (*rubbed, stuck)]
-    )
+    hunt.judge(f"{name}: friction makes it stiffer, up to stick", rising, [round(one, 3) for one in (*rubbed, stuck)])
     pulls = [press(fabric(), prestretch=s)["force_N"] for s in ("0.8", "0.95", "1.2", "2")]
     order = pulls[0] < pulls[1] < force < pulls[2] < pulls[3]
     hunt.judge(f"{name}: tauter is stiffer", order, [round(one, 3) for one in pulls])
@@ -329,9 +324,7 @@ def limits(hunt: Hunt) -> None:
         good = ran.status in statuses and (ran.status == 0 or bool(ran.said.strip()))
         if ran.status == 0:
             good &= sound(ran)
-        hunt.judge(
-            name, good, f"{ran.status} {ran.said.strip().splitlines()[-1][:110] if ran.said.strip() else ''}"
-        )
+        hunt.judge(name, good, f"{ran.status} {ran.said.strip().splitlines()[-1][:110] if ran.said.strip() else ''}")
 
 
 def main() -> None:

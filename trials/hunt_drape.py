@@ -53,9 +53,7 @@ def drape(mold: Solid | Mapping[str, str], cloth: str | None = None, **options: 
     """Drape a sheet on a surface, or on files by name."""
     files = {"m.stl": mold.stl()} if isinstance(mold, Solid) else dict(mold)
     molds = [name for name in files if name.endswith(".stl")]
-    given = {"": "f.json", "mold": molds, **USUAL} | {
-        key.replace("_", "-"): value for key, value in options.items()
-    }
+    given = {"": "f.json", "mold": molds, **USUAL} | {key.replace("_", "-"): value for key, value in options.items()}
     return on_files("drape", given, {"f.json": cloth or fabric(), **files})
 
 
@@ -74,9 +72,7 @@ def sound(one: Ran) -> bool:
 def parted(one: Ran, two: Ran, scales: Mapping[str, float] = SAME) -> tuple[float, float]:
     """Return how far two answers are apart: in force and energy, and in what single springs and cells say."""
     whole = {key: scales[key] for key in ("force_N", "energy_J")}
-    return off(one, two, whole), off(
-        one, two, {key: scale for key, scale in scales.items() if key not in whole}
-    )
+    return off(one, two, whole), off(one, two, {key: scale for key, scale in scales.items() if key not in whole})
 
 
 def told(one: Ran) -> str:
@@ -216,9 +212,7 @@ def known(hunt: Hunt) -> None:
         def stretched(a: float = a, b: float = b) -> tuple[bool, object]:
             one = drape(ball(60.0), prestretch=f"{a}x{b}", depth="0mm")
             energy = (uniaxial(a, C_WARP)[0] + uniaxial(b, C_WEFT)[0]) * 200.0 / a * 170.0 / b * THICK * 1e-3
-            apart = max(
-                abs(one["energy_J"] / energy - 1.0), abs(one["thickness_min_mm"] * a * b / THICK - 1.0)
-            )
+            apart = max(abs(one["energy_J"] / energy - 1.0), abs(one["thickness_min_mm"] * a * b / THICK - 1.0))
             return one.status == 0 and apart < 1e-8, f"{told(one)} {apart:.1e}"
 
         hunt.case(f"mounted {a:g} by {b:g}: energy and thickness", stretched)
@@ -271,9 +265,7 @@ def known(hunt: Hunt) -> None:
     limit("a sheet that weighs 1e-6 g/m^2", {"mass": "1e-6g/m^2"}, {}, 1e-6)
     limit("prestretch of 1 + 1e-9", {"prestretch": "1.000000001"}, {}, 1e-5)
     limit("dynamic relaxation", {"solver": "dynamic"}, {"grid": "17x15"}, 1e-4)
-    limit(
-        "dynamic relaxation, shear", {"solver": "dynamic"}, {"grid": "17x15", "shear_modulus": "50kPa"}, 1e-4
-    )
+    limit("dynamic relaxation, shear", {"solver": "dynamic"}, {"grid": "17x15", "shear_modulus": "50kPa"}, 1e-4)
 
     def two_files(order: int) -> tuple[bool, object]:
         pair = [ball(40.0).moved(shift=[x, 5.0 * x / 30.0, 0.0]) for x in (-30.0, 30.0)]

@@ -78,9 +78,7 @@ def marlow(card: str, l1: Array, l2: Array) -> Array:
 
     The energy falls off the curve by the trapezium rule between its points, as straight lines in stress have it.
     """
-    rows = np.array(
-        [[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()]
-    )
+    rows = np.array([[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()])
     assert np.isfinite(rows).all(), "a row that is no number"
     assert (np.diff(rows[:, 1]) > 0).all(), "strains that do not rise"
     stress, lam = rows[:, 0], 1.0 + rows[:, 1]
@@ -120,9 +118,7 @@ def cards(hunt: Hunt) -> None:
         for name in form.writers:
             sets = {"rubber": CONSTANTS[name], **LIMITS.get(name, {})}
             for factor in (1e-4, 1e3):
-                scaled = laws()[name].scaled(
-                    dict(zip(laws()[name].names, CONSTANTS[name], strict=True)), factor
-                )
+                scaled = laws()[name].scaled(dict(zip(laws()[name].names, CONSTANTS[name], strict=True)), factor)
                 sets[f"times {factor:g}"] = tuple(scaled.values())
             for label, values in sets.items():
                 title = f"{solver}, {name}: {label}"
@@ -169,9 +165,7 @@ def volume(hunt: Hunt) -> None:
                 if name not in formats()[solver].writers or not hunt.wanted(title):
                     continue
                 values = CONSTANTS[name]
-                card = (
-                    export(document(name, values), "--to", solver, "--bulk-modulus", f"{K}MPa").document or ""
-                )
+                card = export(document(name, values), "--to", solver, "--bulk-modulus", f"{K}MPa").document or ""
                 own = dict(zip(laws()[name].names, values, strict=True))
                 E = float(bind(name, own).uniaxial(1.0).A)
                 nu = (3.0 * K - 2.0 * E / 3.0) / (6.0 * K + 2.0 * E / 3.0)
@@ -224,11 +218,7 @@ def places(hunt: Hunt) -> None:
     if hunt.wanted("effects"):
         card = export(soft, "--to", "abaqus", "--temperature", "100degC")
         plain = export(soft, "--to", "abaqus", "--temperature", "23degC")
-        ratio = [
-            a / b
-            for a, b in zip(numbers(card.document or ""), numbers(plain.document or ""), strict=False)
-            if b
-        ]
+        ratio = [a / b for a, b in zip(numbers(card.document or ""), numbers(plain.document or ""), strict=False) if b]
         good = any(abs(one - np.exp(-0.004 * 77.0)) < 1e-9 for one in ratio) or "softening" in card.said
         hunt.judge("effects: softened by heat", good, ratio[:3] or card.said[:90])
         odd = export(richer, "--to", "abaqus")

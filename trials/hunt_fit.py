@@ -27,9 +27,7 @@ REACH = {"uniaxial": 2.6, "shear": 2.3, "biaxial": 1.8}
 SIZES = {"gauge length": "50 mm", "width": "10 mm", "thickness": "0.8 mm"}
 
 
-def curve(
-    name: str, parameters: Mapping[str, float], mode: str, stretch: Sequence[float], **head: str
-) -> File:
+def curve(name: str, parameters: Mapping[str, float], mode: str, stretch: Sequence[float], **head: str) -> File:
     """Return the file of a test of a known truth."""
     lam = np.asarray(stretch, float)
     stress = np.array([float(exact(name, parameters, mode, one)) for one in lam])
@@ -43,9 +41,7 @@ def truth(name: str) -> dict[str, float]:
 
 def exact_tests(name: str, count: int = 12, modes: Sequence[str] = MODES, **head: str) -> list[File]:
     """Return exact tests of a law in several modes."""
-    return [
-        curve(name, truth(name), mode, np.linspace(1.0, REACH[mode], count + 1)[1:], **head) for mode in modes
-    ]
+    return [curve(name, truth(name), mode, np.linspace(1.0, REACH[mode], count + 1)[1:], **head) for mode in modes]
 
 
 def noisy(files: Sequence[File], seed: int, share: float) -> list[File]:
@@ -106,11 +102,7 @@ def known(hunt: Hunt) -> None:
             return
         ran = fit(files(), "--model", law, *options)
         off = away(ran["parameters"], wanted) if ran.document else float("inf")
-        said = (
-            f"{off:.1e}"
-            if ran.document
-            else f"status {ran.status}: {ran.said.strip().splitlines()[-1][:100]}"
-        )
+        said = f"{off:.1e}" if ran.document else f"status {ran.status}: {ran.said.strip().splitlines()[-1][:100]}"
         hunt.judge(name, ran.status == 0 and off < tolerance, said)
 
     for name in CONSTANTS:
@@ -238,9 +230,7 @@ def invariances(hunt: Hunt) -> None:
                 reference = fit([*base, headed(specimen="again")(base[2])], "--model", law)
             ran = fit(way(base), "--model", law, *options)
             off = moved(ran, reference)
-            hunt.judge(
-                name, off < 1e-6, f"{off:.1e}" if ran.document else ran.said.strip().splitlines()[-1][:110]
-            )
+            hunt.judge(name, off < 1e-6, f"{off:.1e}" if ran.document else ran.said.strip().splitlines()[-1][:110])
 
 
 def lycra(weft: float = 0.6, share: float = 0.01, seed: int = 2, **head: str) -> list[File]:
@@ -250,9 +240,7 @@ def lycra(weft: float = 0.6, share: float = 0.01, seed: int = 2, **head: str) ->
         for number in range(3):
             plain = curve("yeoh-2", {"C10_MPa": 0.1, "C20_MPa": 0.03}, "uniaxial", np.linspace(1.02, 1.6, 15))
             stiffer = gain * (1.0 + 0.02 * draw.standard_normal())
-            read = plain.with_stress(
-                lambda p, k=stiffer: p * k * (1.0 + share * draw.standard_normal(len(p)))
-            )
+            read = plain.with_stress(lambda p, k=stiffer: p * k * (1.0 + share * draw.standard_normal(len(p))))
             found.append(headed(direction=way, specimen=f"{way}{number}", **head)(read))
     return found
 
@@ -330,9 +318,7 @@ def warmth(hunt: Hunt) -> None:
     for label, degrees in {"from -60 to 220": (-60, 0, 220), "none near room": (150, 180)}.items():
         ran = fit(at(*degrees), "--model", "yeoh-2")
         off = max(
-            abs(
-                row["parameters"]["C10_MPa"] / (0.2 * np.exp(-0.004 * (row["temperature_degC"] - 23.0))) - 1.0
-            )
+            abs(row["parameters"]["C10_MPa"] / (0.2 * np.exp(-0.004 * (row["temperature_degC"] - 23.0))) - 1.0)
             for row in ran["temperatures"]
         )
         hunt.judge(f"{name}: {label}", off < 1e-9, f"{off:.1e}")
@@ -352,9 +338,7 @@ def warmth(hunt: Hunt) -> None:
                    columns={**warm.columns, "temperature [degC]": np.linspace(20.0, 80.0, 12)})  # fmt: skip
     ran = fit([ramp], "--model", "yeoh-2")
     said = (
-        [text for text in ran.document.get("warnings") or [] if "temperature" in text]
-        if ran.document
-        else [ran.said]
+        [text for text in ran.document.get("warnings") or [] if "temperature" in text] if ran.document else [ran.said]
     )
     hunt.judge(f"{name}: heated while it is pulled", bool(said), said[:1] or ran["temperature_degC"])
     for text in ("-300 degC", "0 K", "5000 degC"):
@@ -425,10 +409,7 @@ def certainty(hunt: Hunt) -> None:
         hunt.judge(f"{name}: {label}", off < tolerance and free, f"{off:.1e}")
     # A law linear in its constants, one weight for all rows: the sd is that of the specimens' own constants.
     flat = fit(base, "--model", "neo-hookean", "--objective", "absolute")
-    each = [
-        fit([one], "--model", "neo-hookean", "--objective", "absolute")["parameters"]["C10_MPa"]
-        for one in base
-    ]
+    each = [fit([one], "--model", "neo-hookean", "--objective", "absolute")["parameters"]["C10_MPa"] for one in base]
     wanted = float(np.std(each, ddof=1) / np.sqrt(3.0))
     off = abs(flat["fit"]["parameters_sd"]["C10_MPa"] / wanted - 1.0)
     hunt.judge(f"{name}: that of the specimens' own constants", off < 1e-6, f"{off:.1e}")
@@ -445,10 +426,7 @@ def weights(hunt: Hunt) -> None:
     def model(ran: Ran) -> Array:
         return np.concatenate(
             [
-                [
-                    float(exact(ran["model"], ran["parameters"], one.head["test"], lam))
-                    for lam in one.columns[STRETCH]
-                ]
+                [float(exact(ran["model"], ran["parameters"], one.head["test"], lam)) for lam in one.columns[STRETCH]]
                 for one in base
             ]
         )
@@ -461,21 +439,13 @@ def weights(hunt: Hunt) -> None:
             off = max(abs(ran["fit"]["E2"] / E2 - 1.0), abs(ran["fit"]["nrmse"] / nrmse - 1.0))
             hunt.judge(f"{name}: {law}, {kind}, its figures", off < 1e-9, f"{off:.1e}")
             # No constants nearby do better.
-            goal = (
-                (lambda e: float(e @ e))
-                if kind == "relative"
-                else (lambda e: float((e * stress) @ (e * stress)))
-            )
+            goal = (lambda e: float(e @ e)) if kind == "relative" else (lambda e: float((e * stress) @ (e * stress)))
             draw, best = np.random.default_rng(1), goal(error)
             beaten = []
             for size in (1e-2, 1e-4):
                 for _ in range(6):
-                    near = {
-                        key: v * (1.0 + size * draw.standard_normal()) for key, v in ran["parameters"].items()
-                    }
-                    beaten.append(
-                        goal(1.0 - model(Ran(0, {"model": law, "parameters": near}, "")) / stress) < best
-                    )
+                    near = {key: v * (1.0 + size * draw.standard_normal()) for key, v in ran["parameters"].items()}
+                    beaten.append(goal(1.0 - model(Ran(0, {"model": law, "parameters": near}, "")) / stress) < best)
             hunt.judge(
                 f"{name}: {law}, {kind}, none nearby better",
                 not any(beaten),
@@ -571,9 +541,7 @@ def refused(hunt: Hunt) -> None:
         if hunt.wanted(name):
             ran = fit([text], *options)
             good = ran.status in (2, 3) and ran.document is None
-            hunt.judge(
-                name, good, f"{ran.status} {ran.said.strip().splitlines()[-1][:100] if ran.said else ''}"
-            )
+            hunt.judge(name, good, f"{ran.status} {ran.said.strip().splitlines()[-1][:100] if ran.said else ''}")
 
 
 def main() -> None:

@@ -99,20 +99,15 @@ def sound(one: Ran) -> bool:
 
 def apart(one: Ran, two: Ran) -> float:
     """Return how far probes and the work surface of two runs are apart at most [K]."""
-    found = [
-        abs(one["probes"][name]["final_degC"] - two["probes"][name]["final_degC"]) for name in one["probes"]
-    ]
+    found = [abs(one["probes"][name]["final_degC"] - two["probes"][name]["final_degC"]) for name in one["probes"]]
     if "work_surface" in one.document:
         found += [
-            abs(one["work_surface"][key] - two["work_surface"][key])
-            for key in ("mean_degC", "min_degC", "max_degC")
+            abs(one["work_surface"][key] - two["work_surface"][key]) for key in ("mean_degC", "min_degC", "max_degC")
         ]
     return float(max(found))
 
 
-def moved(
-    tree: Tree, axes: tuple[int, int, int], shift: tuple[float, float, float], mirror: bool = False
-) -> Tree:
+def moved(tree: Tree, axes: tuple[int, int, int], shift: tuple[float, float, float], mirror: bool = False) -> Tree:
     """Return a mold of boxes with its axes renamed (cyclically) and shifted, or mirrored along x."""
 
     def point(at: list[str], size: list[str] | None = None) -> list[str]:
@@ -154,9 +149,7 @@ def invariances(hunt: Hunt) -> None:
 
         hunt.case(f"the same: {way}", judged)
 
-    def put(
-        way: str, change: Callable[[Tree], Any], files: Mapping[str, str] = {}, near: float = NEAR
-    ) -> None:
+    def put(way: str, change: Callable[[Tree], Any], files: Mapping[str, str] = {}, near: float = NEAR) -> None:
         same(way, lambda: heat(changed(change), files), near)
 
     same("mirrored", lambda: heat(moved(MOLD, (0, 1, 2), (0.0, 0.0, 0.0), mirror=True)))
@@ -167,9 +160,7 @@ def invariances(hunt: Hunt) -> None:
     put("probes in another order", lambda t: t["probe"].reverse(), near=1e-9)
     put(
         "lengths in metres and inches",
-        lambda t: t["part"][0].update(
-            box={"origin": mm(0, 0, 0), "size": ["0.1 m", f"{60 / 25.4!r} inch", "2 cm"]}
-        ),
+        lambda t: t["part"][0].update(box={"origin": mm(0, 0, 0), "size": ["0.1 m", f"{60 / 25.4!r} inch", "2 cm"]}),
     )
     put("power in kilowatts", lambda t: t["heater"][0].update(power="0.6 kW"), near=1e-9)
     put(
@@ -297,18 +288,14 @@ def invariances(hunt: Hunt) -> None:
     same(
         "the plate as STL",
         lambda: heat(
-            changed(
-                lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})
-            ),
+            changed(lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})),
             {"p.stl": block.stl()},
         ),
     )
     same(
         "the plate as STL in inches",
         lambda: heat(
-            changed(
-                lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})
-            ),
+            changed(lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})),
             {"p.stl": block.stl(25.4)},
             stl_unit="inch",
         ),
@@ -316,9 +303,7 @@ def invariances(hunt: Hunt) -> None:
     same(
         "the plate as STL, facets split and shuffled",
         lambda: heat(
-            changed(
-                lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})
-            ),
+            changed(lambda t: t["part"].__setitem__(0, {"name": "plate", "material": "aluminium", "stl": "p.stl"})),
             {"p.stl": block.split().shuffled().stl()},
         ),
     )
@@ -328,9 +313,7 @@ def lump(**run: Any) -> Tree:
     """Return a cube of 20 mm that conducts so well that it has one temperature."""
     return {
         "format": "hyperfab.mold/1",
-        "material": {
-            "m": {"density": "1000 kg/m^3", "conductivity": "1e6 W/m/K", "specific_heat": "1000 J/kg/K"}
-        },
+        "material": {"m": {"density": "1000 kg/m^3", "conductivity": "1e6 W/m/K", "specific_heat": "1000 J/kg/K"}},
         "part": [{"name": "cube", "material": "m", **box((0, 0, 0), (20, 20, 20))}],
         "probe": [{"name": "p", "at": mm(10, 10, 10)}],
         "run": {"start": "25 degC", "until": "100 s", "mesh_size": "20 mm", "tolerance": "0.001 K", **run},
@@ -474,9 +457,7 @@ def known(hunt: Hunt) -> None:
     flow = 180.0 / (np.log(radius[1] / radius[0]) / 237.0 + 1.0 / (100.0 * 0.04))
     ends_at("a tube with a film", wall(100.0, **tube), 200.0 - flow * np.log(2.0) / 237.0, 0.02)
     ball = {
-        "part": [
-            {"name": "w", "material": "a", "ellipsoid": {"centre": mm(0, 0, 0), "semi_axes": mm(30, 30, 30)}}
-        ],
+        "part": [{"name": "w", "material": "a", "ellipsoid": {"centre": mm(0, 0, 0), "semi_axes": mm(30, 30, 30)}}],
         "heater": [{"volume": "w", "power": "900 W"}],
         "convection": [{"on": "exposed", "h": "300 W/m^2/K", "ambient": "20 degC"}],
         "probe": [{"name": "p", "at": mm(0, 0, 0)}],
@@ -540,8 +521,7 @@ def known(hunt: Hunt) -> None:
             lump()
             | {
                 "part": [
-                    {"name": n, "material": "m", **box((k, 0, 0), (20, 20, 20))}
-                    for n, k in (("a", 0), ("b", 10))
+                    {"name": n, "material": "m", **box((k, 0, 0), (20, 20, 20))} for n, k in (("a", 0), ("b", 10))
                 ],
                 "probe": [],
             },

@@ -186,9 +186,7 @@ def invariances(hunt: Hunt) -> None:
     if hunt.wanted(full):
         base = files(("thermal-softening",))
         one = closed(base)
-        other = closed(
-            [f.with_stress(lambda p: 100.0 * p) for f in base], {k: 100.0 * v for k, v in GIVEN.items()}
-        )
+        other = closed([f.with_stress(lambda p: 100.0 * p) for f in base], {k: 100.0 * v for k, v in GIVEN.items()})
         hunt.judge(full, one.names == other.names and abs(other.rms / one.rms - 100.0) < 0.1, other.names)
 
 
@@ -229,9 +227,7 @@ def known(hunt: Hunt) -> None:
 
         def slipped(one: File, drop: float = drop) -> File:
             return one.with_columns(
-                lambda key, v: (
-                    (key, v - drop * (np.arange(len(v)) >= 40)) if key.startswith("stretch") else (key, v)
-                )
+                lambda key, v: (key, v - drop * (np.arange(len(v)) >= 40)) if key.startswith("stretch") else (key, v)
             )
 
         case(f"the extensometer slips by {drop}", lambda s=slipped: [s(one) for one in plain(3)], clean)  # type: ignore[misc]
@@ -332,9 +328,7 @@ def biaxial(weft: float, warp: float = 0.4) -> list[File]:
             px = 0.4 * (lx - lz**2 / lx) + 4.0 * warp * (lx**2 - 1.0) * lx + 1e-3 * rng.standard_normal(40)
             py = 0.4 * (ly - lz**2 / ly) + 4.0 * weft * (ly**2 - 1.0) * ly + 1e-3 * rng.standard_normal(40)
             head = {"test": "biaxial-general", "direction": "warp", "specimen": f"{protocol}{number}"}
-            found.append(
-                File(head, {"stretch [-]": lx, "stress [MPa]": px, "stretch 2 [-]": ly, "stress 2 [MPa]": py})
-            )
+            found.append(File(head, {"stretch [-]": lx, "stress [MPa]": px, "stretch 2 [-]": ly, "stress 2 [MPa]": py}))
     return found
 
 

@@ -58,9 +58,7 @@ def nested(rings: int = 40, shift: float = 1.5) -> Pair:
     return Solid(male.vertices, male.faces[:-around]), Solid(bowl.vertices, bowl.faces[: -around - 6, ::-1])
 
 
-def plates(
-    over: float = 10.0, half: tuple[float, float] = (50.0, 30.0), cells: int = 12, slope: float = 0.0
-) -> Pair:
+def plates(over: float = 10.0, half: tuple[float, float] = (50.0, 30.0), cells: int = 12, slope: float = 0.0) -> Pair:
     """Return two blocks face to face, 5 mm apart, the upper one ``over`` mm larger all round and sloping along x."""
     male = graph(lambda u, v: 0.0 * u, half, (cells, cells), -30.0)
     wide = (half[0] + over, half[1] + over)
@@ -154,9 +152,7 @@ def invariances(hunt: Hunt) -> None:
                 files={"t.csv": "stress [kPa];strain [%]\n0;0\n24.75;49.5\n49.5;99\n"},
             ),
         )
-        same(
-            "at the force that it said", lambda p=pair: press(p, force=f"{press(p)['force_N']!r}N"), near=1e-5
-        )
+        same("at the force that it said", lambda p=pair: press(p, force=f"{press(p)['force_N']!r}N"), near=1e-5)
         same(
             "a thousand times stiffer",
             lambda p=pair: press(p, foam(modulus=50.0)),
@@ -169,13 +165,9 @@ def invariances(hunt: Hunt) -> None:
                 scales,
             )
         hunt.case(f"{name}: flat facets split in four, and again", partial(split, pair))
-        hunt.case(
-            f"{name}: force is the rate of energy", partial(rate, cups(60) if name == "cups" else pair, {})
-        )
+        hunt.case(f"{name}: force is the rate of energy", partial(rate, cups(60) if name == "cups" else pair, {}))
         hunt.case(f"{name}: refined", partial(refined, cups if name == "cups" else nested))
-    hunt.case(
-        "cups: force is the rate of energy, tilted", partial(rate, cups(60), {"tilt": "0.5deg,-0.3deg"})
-    )
+    hunt.case("cups: force is the rate of energy, tilted", partial(rate, cups(60), {"tilt": "0.5deg,-0.3deg"}))
     hunt.case("cups: force is the rate of energy, flat facets", partial(rate, cups(), {"facets": "flat"}))
 
 

@@ -142,9 +142,7 @@ def scaled(header: str, factor: float, name: str) -> Callable[[File], File]:
 
 def strained(one: File) -> File:
     """Return the file with strains in percent in place of stretches."""
-    return one.with_columns(
-        lambda key, v: ("strain [%]", 100.0 * (v - 1.0)) if key.startswith("stretch") else (key, v)
-    )
+    return one.with_columns(lambda key, v: ("strain [%]", 100.0 * (v - 1.0)) if key.startswith("stretch") else (key, v))
 
 
 def headed(**head: str) -> Callable[[File], File]:

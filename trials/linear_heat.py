@@ -120,8 +120,7 @@ def main() -> None:
     # What is drawn does not change the mold: it is meshed once.
     problem.mesh_mold = once(problem.mesh_mold)
     stated = {
-        name: f"{value!r} {unit} +- {sd!r} {unit.replace('degC', 'K')}"
-        for name, (value, sd, unit) in UNSURE.items()
+        name: f"{value!r} {unit} +- {sd!r} {unit.replace('degC', 'K')}" for name, (value, sd, unit) in UNSURE.items()
     }
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)

@@ -23,9 +23,7 @@ class Solid:
 
     def moved(self, matrix: Any = 1.0, shift: Any = 0.0) -> Solid:
         """Return it scaled or turned by ``matrix``, then shifted; its outside stays outside."""
-        matrix = (
-            np.asarray(matrix, dtype=float) * np.eye(3) if np.ndim(matrix) < 2 else np.asarray(matrix, float)
-        )
+        matrix = np.asarray(matrix, dtype=float) * np.eye(3) if np.ndim(matrix) < 2 else np.asarray(matrix, float)
         faces = self.faces[:, ::-1] if np.linalg.det(matrix) < 0.0 else self.faces
         return Solid(self.vertices @ matrix.T + shift, faces)
 
@@ -37,9 +35,7 @@ class Solid:
         ab, bc, ca = back.reshape(3, -1) + len(v)
         a, b, c = f.T
         parts = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        return Solid(
-            np.concatenate([v, v[unique].mean(axis=1)]), np.concatenate([np.stack(p, 1) for p in parts])
-        )
+        return Solid(np.concatenate([v, v[unique].mean(axis=1)]), np.concatenate([np.stack(p, 1) for p in parts]))
 
     def shuffled(self, seed: int = 1) -> Solid:
         """Return it with facets in another order, each beginning at another corner."""
@@ -75,9 +71,7 @@ def graph(
     return Solid(block.vertices, block.faces)
 
 
-def ball(
-    radius: float, rings: int = 24, around: int = 48, to_deg: float = 180.0, height: float = 0.0
-) -> Solid:
+def ball(radius: float, rings: int = 24, around: int = 48, to_deg: float = 180.0, height: float = 0.0) -> Solid:
     """Return a ball about (0, 0, height), or its cap up to an angle from the top, closed below by a point."""
     theta = np.linspace(0.0, np.radians(to_deg), rings + 1)[1 : rings + (to_deg < 180.0)]
     phi = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
@@ -90,17 +84,13 @@ def ball(
         -1,
     ).reshape(-1, 3)
     low = [0.0, 0.0, -1.0 if to_deg >= 180.0 else float(np.cos(theta[-1]))]
-    return _lathed(
-        np.concatenate([[[0.0, 0.0, 1.0]], ring, [low]]) * radius + [0.0, 0.0, height], len(theta), around
-    )
+    return _lathed(np.concatenate([[[0.0, 0.0, 1.0]], ring, [low]]) * radius + [0.0, 0.0, height], len(theta), around)
 
 
 def lathe(profile: Array, around: int) -> Solid:
     """Return a body turned about z: ``profile`` (k, 2) radii and heights, the first and the last on the axis."""
     phi = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
-    inner = [
-        np.column_stack([r * np.cos(phi), r * np.sin(phi), np.full(around, z)]) for r, z in profile[1:-1]
-    ]
+    inner = [np.column_stack([r * np.cos(phi), r * np.sin(phi), np.full(around, z)]) for r, z in profile[1:-1]]
     points = np.concatenate([[[0.0, 0.0, profile[0][1]]], *inner, [[0.0, 0.0, profile[-1][1]]]])
     return _lathed(points, len(inner), around)
 

@@ -106,9 +106,7 @@ def slip_links(draw: np.random.Generator) -> Energy:
         squares = [a**2, b**2, c**2]
         I1, left = sum(squares), 1 - short**2 * sum(squares)
         links = Nc / 2 * ((1 - short**2) * I1 / left + np.log(left))
-        slides = sum(
-            (1 + eta) * (1 - short**2) * s / ((1 + eta * s) * left) + np.log(1 + eta * s) for s in squares
-        )
+        slides = sum((1 + eta) * (1 - short**2) * s / ((1 + eta * s) * left) + np.log(1 + eta * s) for s in squares)
         return np.asarray(links + Ns / 2 * (slides + np.log(left)))
 
     return energy
@@ -146,9 +144,7 @@ def yeoh_fleming(draw: np.random.Generator) -> Energy:
 
     def energy(a: Array, b: Array, c: Array) -> Array:
         x, I2 = a**2 + b**2 + c**2 - 3, a**2 * b**2 + b**2 * c**2 + a**2 * c**2
-        return np.asarray(
-            -A / B * limit * np.exp(-B * x / limit) - C * limit * np.log(1 - x / limit) + C2 * np.log(I2)
-        )
+        return np.asarray(-A / B * limit * np.exp(-B * x / limit) - C * limit * np.log(1 - x / limit) + C2 * np.log(I2))
 
     return energy
 
@@ -187,9 +183,7 @@ def measured(folder: Path) -> dict[str, TestCurve]:
         path = folder / f"{mode}.csv"
         [test] = read_tests(path.read_bytes(), path.name)
         moving = test.stretch > 1.0
-        found[mode] = TestCurve(
-            mode=mode, source=mode, stretch=test.stretch[moving], stress=test.stress[moving]
-        )
+        found[mode] = TestCurve(mode=mode, source=mode, stretch=test.stretch[moving], stress=test.stress[moving])
     return found
 
 
@@ -225,15 +219,9 @@ def main() -> None:
     draws = int(sys.argv[1]) if len(sys.argv) > 1 else 2
     sets = {f"{name} {k + 1}": synthetic(name, k) for name in RUBBERS for k in range(draws)}
     folder = Path(os.environ.get("HYPERFAB_DATA", "data"))
-    sets |= {
-        name: measured(folder / name)
-        for name in ("treloar-1944", "kawabata-1981")
-        if (folder / name).is_dir()
-    }
+    sets |= {name: measured(folder / name) for name in ("treloar-1944", "kawabata-1981") if (folder / name).is_dir()}
     rows = []
-    print(
-        f"{'rubber':18s} {'fitted on':9s} {'law':22s} {'stated':>7s} {'real':>7s} {'ratio':>6s} {'best':>7s}"
-    )
+    print(f"{'rubber':18s} {'fitted on':9s} {'law':22s} {'stated':>7s} {'real':>7s} {'ratio':>6s} {'best':>7s}")
     for name, tests in sets.items():
         for mode in MODES:
             chosen, error, best = trial(tests, mode)

@@ -60,9 +60,7 @@ def met(line: str, folder: Path) -> set[str]:
     out = folder / "met.txt"
     script = TRACED.format(out=str(out), root=str(ROOT / "hyperfab"))
     words = line.format(folder).split()
-    done = subprocess.run(
-        [sys.executable, "-c", script, "hf", *words], cwd=ROOT, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", script, "hf", *words], cwd=ROOT, capture_output=True, text=True)
     if done.returncode > 1:
         raise SystemExit(f"hf {' '.join(words)}: {done.stderr}")
     return {os.path.relpath(one, ROOT / "hyperfab") for one in out.read_text().splitlines()}

@@ -53,9 +53,7 @@ class Net:
             columns.append((3 * q[:, None, None] + 0 * axes[:, None] + axes[None, :]).ravel())
             values.append(sign * block.ravel())
         size = 3 * len(x)
-        return csc_array(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (size, size)
-        )
+        return csc_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (size, size))
 
 
 def projector(normal, touching, free):

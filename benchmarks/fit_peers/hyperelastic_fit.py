@@ -70,9 +70,7 @@ def fit(material: object, labels: list[str], start: np.ndarray, curves: dict[str
     """Return E2 of the package's least squares, weighed by the readings as E2 is."""
     experiments = [lab.Experiment(label=m, displacement=t[0] - 1, force=t[1]) for m, t in curves.items()]
     simulations = [
-        lab.Simulation(
-            loadcase=CASES[mode](), stretch=table[0], material=material, labels=labels, parameters=start
-        )
+        lab.Simulation(loadcase=CASES[mode](), stretch=table[0], material=material, labels=labels, parameters=start)
         for mode, table in curves.items()
     ]
     task = lab.Optimize(experiments=experiments, simulations=simulations, parameters=start)

@@ -26,9 +26,7 @@ def write_ply(path, points, faces=None):
         table = np.empty(len(faces), dtype=[("count", "u1"), ("corners", "<i4", 3)])
         table["count"], table["corners"] = 3, faces
         rows = table.tobytes()
-    path.write_bytes(
-        (header + "end_header\n").encode() + np.ascontiguousarray(points, "<f8").tobytes() + rows
-    )
+    path.write_bytes((header + "end_header\n").encode() + np.ascontiguousarray(points, "<f8").tobytes() + rows)
 
 
 def run(folder, *options):

@@ -49,9 +49,7 @@ def peak():
 
 def main():
     name, pair, out = sys.argv[1:]
-    search = {"libigl": libigl, "open3d": open3d, "point-cloud-utils": point_cloud_utils, "trimesh": trimesh}[
-        name
-    ]()
+    search = {"libigl": libigl, "open3d": open3d, "point-cloud-utils": point_cloud_utils, "trimesh": trimesh}[name]()
     data = np.load(pair)
     v, f, p = data["vertices"], data["faces"], data["points"]
     seconds = float("inf")

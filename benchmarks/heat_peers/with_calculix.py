@@ -30,9 +30,7 @@ def deck(mesh, data, steps: int) -> str:
     lines = ["*NODE, NSET=ALL"]  # numbers of at most 20 characters are read
     lines += [f"{i},{x:.11g},{y:.11g},{z:.11g}" for i, (x, y, z) in enumerate(mesh.points.tolist(), 1)]
     lines.append("*ELEMENT, TYPE=DC3D10, ELSET=MOLD")
-    lines += [
-        ",".join(map(str, [i, *(n + 1 for n in nodes)])) for i, nodes in enumerate(mesh.elements.tolist(), 1)
-    ]
+    lines += [",".join(map(str, [i, *(n + 1 for n in nodes)])) for i, nodes in enumerate(mesh.elements.tolist(), 1)]
     lines += ["*MATERIAL, NAME=AL", "*CONDUCTIVITY", "237.", "*DENSITY", "2702.", "*SPECIFIC HEAT", "903."]
     lines += ["*SOLID SECTION, ELSET=MOLD, MATERIAL=AL", "*INITIAL CONDITIONS, TYPE=TEMPERATURE", "ALL,25."]
     lines += [f"*STEP, INC={10 * steps}", "*HEAT TRANSFER, DIRECT", f"{STEP},{STEP * steps}"]

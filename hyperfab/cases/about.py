@@ -93,9 +93,7 @@ class ExportCase(Case):
     COMMAND = "export"
     OUTPUT = ("FILE", "Where the card goes; - is standard output.")
 
-    document: str = file(
-        "FABRIC.json", "Material document; - is standard input.", argument=True, required=True
-    )
+    document: str = file("FABRIC.json", "Material document; - is standard input.", argument=True, required=True)
     to: str = text("SOLVER", "abaqus, ansys, ls-dyna or febio.", required=True)
     direction: str | None = text("WAY", "warp or weft, where the material has directions.")
     temperature: float | None = amount(

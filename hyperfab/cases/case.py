@@ -77,9 +77,7 @@ class Case:
                 values[name] = one.kind.read(text, one.spoken)
         for one in settings.values():
             if one.required and not values.get(one.name):
-                raise UsageError(
-                    f"{one.spoken}{'' if one.argument else ' ' + one.metavar} is missing: {one.help}"
-                )
+                raise UsageError(f"{one.spoken}{'' if one.argument else ' ' + one.metavar} is missing: {one.help}")
         return cls(**values)
 
     def setup(self, hashes: Mapping[str, str], known: Mapping[str, Any] | None = None) -> dict[str, Any]:
@@ -129,9 +127,7 @@ class Case:
     def schema(cls) -> dict[str, Any]:
         """Return the JSON Schema of ``setup``."""
         properties = {
-            one.key: {**one.kind.schema(), "description": one.help}
-            for one in cls.settings().values()
-            if one.kept
+            one.key: {**one.kind.schema(), "description": one.help} for one in cls.settings().values() if one.kept
         }
         return {
             "type": "object",

@@ -51,9 +51,7 @@ class ContactCase(Case):
     punch: str | None = file(
         "PUNCH.stl", "A surface in place of the sphere, its top at depth 0.", over=("sphere_radius",)
     )
-    depth: float = amount(
-        "length", "LENGTH", "How far the sphere or the punch is pushed in.", "60mm", above=0.0
-    )
+    depth: float = amount("length", "LENGTH", "How far the sphere or the punch is pushed in.", "60mm", above=0.0)
     prestretch: float = amount(
         "dimensionless", "S", "The rim is held at S times its undeformed place.", "1", example="1.05 for 5 %",
         least=0.5, most=5.0,
@@ -105,6 +103,4 @@ class ContactCase(Case):
         if self.punch is not None and self.sphere_radius is not None:
             raise UsageError("--punch and --sphere-radius: one or the other is pushed in")
         if self.punch is not None and self.middle_surface:
-            raise UsageError(
-                "--middle-surface is for the sphere; offset the punch's surface by half the thickness"
-            )
+            raise UsageError("--middle-surface is for the sphere; offset the punch's surface by half the thickness")

@@ -77,9 +77,7 @@ class Holder(Kind):
         return found
 
     def words(self, value: Mapping[str, float]) -> list[str]:
-        return [
-            ("" if side == CLAMPED else f"{side}=") + self.force.words(force) for side, force in value.items()
-        ]
+        return [("" if side == CLAMPED else f"{side}=") + self.force.words(force) for side, force in value.items()]
 
     def load(self, data: Any) -> dict[str, float]:
         if not isinstance(data, Mapping) or not set(data) <= {CLAMPED, *SIDES}:
@@ -106,12 +104,8 @@ class DrapeCase(Case):
     COMMAND = "drape"
     KIND = "drape"
 
-    material: str | None = file(
-        "FABRIC.json", "Material document of hf fit, or -; or --warp, --weft.", argument=True
-    )
-    mold: tuple[str, ...] = files(
-        "MOLD.stl", "Surface of the mold; repeated for several in one frame.", required=True
-    )
+    material: str | None = file("FABRIC.json", "Material document of hf fit, or -; or --warp, --weft.", argument=True)
+    mold: tuple[str, ...] = files("MOLD.stl", "Surface of the mold; repeated for several in one frame.", required=True)
     grid: tuple[int, int] = series(
         Whole("100", least=3),
         "x",
@@ -133,9 +127,7 @@ class DrapeCase(Case):
         "NAME", "Of the flat sheet: rectangle; disc, clamped all round, with --sheet membrane.",
         ("rectangle", "disc"), "rectangle",
     )  # fmt: skip
-    depth: float = amount(
-        "length", "LENGTH", "How far the mold is pushed up.", "60mm", least=0.0, over=("depths",)
-    )
+    depth: float = amount("length", "LENGTH", "How far the mold is pushed up.", "60mm", least=0.0, over=("depths",))
     states: int | None = whole(
         "N", "Also the sheet at N equal depths up to --depth.", example="6 for six equal depths", least=1,
         most=MOST_STATES, over=("depths",),
@@ -160,9 +152,7 @@ class DrapeCase(Case):
     clamp: tuple[str, ...] = setting(
         Edges(), "EDGES", "Clamped edges: edges (all four), or some of x-,x+,y-,y+.", "edges"
     )
-    slide: tuple[str, ...] | None = setting(
-        Edges(), "EDGES", "Edges held down but free to slide along their line."
-    )
+    slide: tuple[str, ...] | None = setting(Edges(), "EDGES", "Edges held down but free to slide along their line.")
     blank_holder: Mapping[str, float] | None = setting(
         Holder(), "[EDGES=]F/L", "Clamped edges give way where pulled by more, as 0.5N/mm or y-,y+=0.5N/mm."
     )
@@ -217,9 +207,7 @@ class DrapeCase(Case):
     )
     uncertainty: str | None = uncertainty()
     stl_unit: str = stl_unit()
-    axis: str = choice(
-        "AXIS", "Axis of the STL that points up, into the sheet: x, y or z.", ("x", "y", "z"), "z"
-    )
+    axis: str = choice("AXIS", "Axis of the STL that points up, into the sheet: x, y or z.", ("x", "y", "z"), "z")
 
     def check(self) -> None:
         """Refuse what means nothing together."""
@@ -231,9 +219,7 @@ class DrapeCase(Case):
         nodes = self.grid[0] * self.grid[1]
         if nodes > MOST_NODES:
             shown = f"{self.grid[0]}x{self.grid[1]}"
-            raise UsageError(
-                f"--grid {shown}: {nodes} nodes are more than the {MOST_NODES} that fit; take fewer"
-            )
+            raise UsageError(f"--grid {shown}: {nodes} nodes are more than the {MOST_NODES} that fit; take fewer")
         if self.depths is not None:
             if self.states is not None:
                 raise UsageError("--states and --depths both say where the sheet is wanted; give one of them")
@@ -248,9 +234,7 @@ class DrapeCase(Case):
         if self.shear_modulus is not None and self.shear_law is not None:
             raise UsageError("--shear-modulus and --shear-law both say what resists shear; give one of them")
         if self.solver != "newton" and self.has_friction:
-            raise UsageError(
-                f"--solver {self.solver} knows no friction; leave out --friction and --blank-holder"
-            )
+            raise UsageError(f"--solver {self.solver} knows no friction; leave out --friction and --blank-holder")
         if self.sheet == "membrane":
             self._check_membrane()
         if self.shape == "disc":

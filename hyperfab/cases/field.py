@@ -94,9 +94,7 @@ def setting(
     if required:
         return dataclasses.field(metadata={_SETTING: own})
     if kind.repeated:
-        return dataclasses.field(
-            default_factory=lambda: kind.read(default or [], option), metadata={_SETTING: own}
-        )
+        return dataclasses.field(default_factory=lambda: kind.read(default or [], option), metadata={_SETTING: own})
     value = None if default is None else kind.read(default, option)
     return dataclasses.field(default=value, metadata={_SETTING: own})
 

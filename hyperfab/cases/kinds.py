@@ -284,9 +284,7 @@ class Series(_Several):
         if (self.count and len(parts) not in self.count) or not all(parts):
             raise UsageError(f"{option} {text}: write {self.example}")
         try:
-            found = [
-                self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts
-            ]
+            found = [self.item.read(part, f"{option} {text}:" if len(parts) > 1 else option) for part in parts]
         except UsageError as error:
             # The right form of what was typed stays; any number of the kind says less than the option's own example.
             told, any_number, _ = str(error).partition("; write it like ")

@@ -52,9 +52,7 @@ class Earlier(Generic[CaseT]):
         # By absolute path: a study names its files so.
         now = {os.path.abspath(file.name): file for file in inputs.files if file.name != "-"}
         near = {os.path.abspath(name): name for name in self.read if name not in self.changed}
-        moved = [
-            near[place] for place in near if place in now and now[place].sha256 != self.read[near[place]]
-        ]
+        moved = [near[place] for place in near if place in now and now[place].sha256 != self.read[near[place]]]
         hidden = [
             file.name
             for place, file in now.items()
@@ -63,9 +61,7 @@ class Earlier(Generic[CaseT]):
         return moved + hidden
 
 
-def earlier(
-    cls: type[CaseT], data: Mapping[str, Any], name: str, replaced: Collection[str] = ()
-) -> Earlier[CaseT]:
+def earlier(cls: type[CaseT], data: Mapping[str, Any], name: str, replaced: Collection[str] = ()) -> Earlier[CaseT]:
     """Return how the document ``name`` with the plain ``data`` was made; fields ``replaced`` need no file.
 
     A file is looked for beside the document and in folders near by, by its hash; one that has changed is taken by its
@@ -93,12 +89,8 @@ def earlier(
             values[one.name] = search.found(value, known if isinstance(known, str) else None)
         else:
             named = one.files(value)
-            each = iter(
-                known if isinstance(known, list) and len(known) == len(named) else [None] * len(named)
-            )
-            values[one.name] = tuple(
-                search.found(name, next(each)) if one.files([name]) else name for name in value
-            )
+            each = iter(known if isinstance(known, list) and len(known) == len(named) else [None] * len(named))
+            values[one.name] = tuple(search.found(name, next(each)) if one.files([name]) else name for name in value)
     read = {search.beside(file.name): file.sha256 for file in provenance.inputs}
     told = {digest for one in hashes.values() for digest in (one if isinstance(one, list) else [one])}
     far: dict[str, set[str]] = {}
@@ -151,9 +143,7 @@ class _Search:
 
     def _found(self, shown: str, known: str | None) -> str:
         inputs = self.provenance.inputs
-        relative = next(
-            (one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown
-        )
+        relative = next((one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown)
         wanted = {known} if known else {one.sha256 for one in inputs if one.name == relative}
         if relative == "-":
             return self._kept(wanted)
@@ -161,9 +151,7 @@ class _Search:
         others = [relative]
         # No further: a copy that happens to lie about elsewhere is not the user's file.
         for folder in (Path(), Path(self.name).parent):
-            others += [
-                str(path) for path in [folder / _base(relative), *sorted(folder.glob(f"*/{_base(relative)}"))]
-            ]
+            others += [str(path) for path in [folder / _base(relative), *sorted(folder.glob(f"*/{_base(relative)}"))]]
         for place in (first, *(os.path.normpath(place) for place in others)):
             if os.path.isfile(place) and (not wanted or _hash(place) in wanted):
                 return place

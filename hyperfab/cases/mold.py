@@ -28,9 +28,7 @@ class MoldCase(Case):
         "time", "TIME", "Scale all heaters so that the target is reached in TIME.", example="20min", above=0.0
     )
     share_power: bool = flag("Share the power among the heaters for an even work surface.")
-    heater_max: float | None = amount(
-        "power", "POWER", "Most that --share-power may give one heater.", example="900W"
-    )
+    heater_max: float | None = amount("power", "POWER", "Most that --share-power may give one heater.", example="900W")
     variations: str | None = file(
         "FILE.csv", "Factors on film, power, conductivity, specific heat, one run a row, on a reduced model."
     )

@@ -47,9 +47,7 @@ def put(case: CaseT, path: str, value: Any) -> CaseT:
         value = whole
     if value is None:
         return dataclasses.replace(case, **{one.name: one.kind.read([], path) if one.kind.repeated else None})
-    return dataclasses.replace(
-        case, **{one.name: one.kind.checked(value, path, lambda: one.kind.load(plain(value)))}
-    )
+    return dataclasses.replace(case, **{one.name: one.kind.checked(value, path, lambda: one.kind.load(plain(value)))})
 
 
 def applied(case: CaseT, amounts: Mapping[str, float], places: Mapping[str, Sequence[str]]) -> CaseT:
@@ -65,9 +63,7 @@ def applied(case: CaseT, amounts: Mapping[str, float], places: Mapping[str, Sequ
 
 def _split(case: Case, path: str) -> tuple[Any, ...]:
     first, *rest = path.split(".")
-    found: Setting | None = next(
-        (one for one in case.settings().values() if first in (one.key, one.name)), None
-    )
+    found: Setting | None = next((one for one in case.settings().values() if first in (one.key, one.name)), None)
     if found is None:
         keys = ", ".join(one.key for one in case.settings().values())
         raise UsageError(f"{path}: hf {case.COMMAND} has no such setting; it has {keys}")

@@ -116,9 +116,7 @@ class PressCase(Case):
         """Refuse what means nothing together."""
         super().check()
         if (self.gap is None) == (self.force is None):
-            raise UsageError(
-                "give --gap or --force" if self.gap is None else "give only one of --gap and --force"
-            )
+            raise UsageError("give --gap or --force" if self.gap is None else "give only one of --gap and --force")
         if self.male == self.female:
             raise UsageError(f"--male and --female name the same file, {self.male}")
         if self.temperature is not None and (self.male_heat or self.female_heat):

@@ -17,29 +17,19 @@ class ReadingCase(Case):
     gauge_length: float | None = amount(
         "length", "LENGTH", "Gauge length of force-extension tests.", example="100mm", above=0.0
     )
-    width: float | None = amount(
-        "length", "LENGTH", "Width of force-extension tests.", example="50mm", above=0.0
-    )
+    width: float | None = amount("length", "LENGTH", "Width of force-extension tests.", example="50mm", above=0.0)
     thickness: float | None = amount(
         "length", "LENGTH", "Thickness of the fabric, as 0.6mm.", example="0.6mm", above=0.0
     )
-    diameter: float | None = amount(
-        "length", "LENGTH", "Diameter of a biaxial disc.", example="100mm", above=0.0
-    )
-    branch: str = choice(
-        "BRANCH", "Rows that take part: load, unload or all.", ("load", "unload", "all"), "all"
-    )
+    diameter: float | None = amount("length", "LENGTH", "Diameter of a biaxial disc.", example="100mm", above=0.0)
+    branch: str = choice("BRANCH", "Rows that take part: load, unload or all.", ("load", "unload", "all"), "all")
     cycle: str = text("CYCLE", "Cycle that takes part: a number, first, last or all.", "all")
     zero: bool = flag("Count stretch and stress from the first row of each test.")
-    preload: str | None = text(
-        "LOAD", "Take out slack: count from where this is reached, as 0.1N or 0.002MPa."
-    )
+    preload: str | None = text("LOAD", "Take out slack: count from where this is reached, as 0.1N or 0.002MPa.")
     resample: int | None = whole(
         "N", "Mean of N equal steps of stretch on each branch.", example="50 points a curve", least=3
     )
-    columns: tuple[str, ...] = texts(
-        "LIST", 'What columns are, as "Standardkraft=force [N],Weg=extension [mm]".'
-    )
+    columns: tuple[str, ...] = texts("LIST", 'What columns are, as "Standardkraft=force [N],Weg=extension [mm]".')
     skip_rows: int | None = whole(
         "N", "Lines above the head of the table, where they cannot be told.", example="12", least=0
     )

@@ -25,9 +25,7 @@ class SweepCase(Case):
     KIND = "sweep"
     OUTPUT = None
 
-    study: str = file(
-        "STUDY.toml", "Study: axes, chain of commands, figures to collect.", argument=True, required=True
-    )
+    study: str = file("STUDY.toml", "Study: axes, chain of commands, figures to collect.", argument=True, required=True)
     out: str = text("DIR", "Folder that takes every case and the table.", required=True, kept=False)
     jobs: int | None = whole(
         "N", "Worker processes on this machine; default: one a core.", example="4", least=1, kept=False,
@@ -46,6 +44,4 @@ class SweepCase(Case):
         if self.jobs is not None and self.scheduler is not None:
             raise UsageError("--jobs and --scheduler exclude each other: a cluster brings its own workers")
         if self.scheduler is not None and not re.fullmatch(r"(\w+://)?[^/\s]+:\d+", self.scheduler):
-            raise UsageError(
-                f"--scheduler {self.scheduler}: an address has a host and a port, as tcp://10.0.0.5:8786"
-            )
+            raise UsageError(f"--scheduler {self.scheduler}: an address has a host and a port, as tcp://10.0.0.5:8786")

@@ -56,9 +56,7 @@ def run(job: Job, case: Case) -> int:
     if "uncertainty" not in settings:
         stated = [one.spoken for one in settings.values() if tolerances(getattr(case, one.name), one.key)]
         if stated:
-            job.console.warn(
-                f"hf {case.COMMAND} does not carry tolerances: that of {', '.join(stated)} is left out"
-            )
+            job.console.warn(f"hf {case.COMMAND} does not carry tolerances: that of {', '.join(stated)} is left out")
     return job.ended(chapter_of(case.COMMAND)(job, case))
 
 

@@ -78,9 +78,7 @@ def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law
             )
         return
     if case.bulk_modulus is not None:
-        raise UsageError(
-            f"--bulk-modulus: {source.model} changes its volume by its own nu; leave the option out"
-        )
+        raise UsageError(f"--bulk-modulus: {source.model} changes its volume by its own nu; leave the option out")
     if source.bulk_modulus_MPa is not None:
         job.console.warn(
             f"{source.model} changes its volume by its own nu; the bulk modulus of the volumetric test is left aside"
@@ -104,9 +102,7 @@ def _way_out(law: Orthotropic | Hyperfoam, settings: Settings) -> str:
 def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
     """Say what the card cannot say."""
     source = fabric.document
-    stable = (
-        source.directions[direction].stable if source.directions and direction in source.directions else None
-    )
+    stable = source.directions[direction].stable if source.directions and direction in source.directions else None
     if (source.stable if stable is None else stable) is False:
         job.console.warn("the constants are not Drucker-stable over the tests; the solver may stop there")
     if source.thickness_nominal:

@@ -128,9 +128,7 @@ class FabricDocument:
             )
         if self.held_at is not None:
             then = f"the constants of {self.held_at:.4g} degC are taken"
-        job.ranges.used(
-            "temperature_degC", self.temperature, known=known or None, source=self.name, then=then
-        )
+        job.ranges.used("temperature_degC", self.temperature, known=known or None, source=self.name, then=then)
 
     @property
     def held_at(self) -> float | None:
@@ -175,9 +173,7 @@ class FabricDocument:
                 "thermal-softening needs softening_1_K and reference_degC", file=self.name, key=key
             ) from None
 
-    def _bound(
-        self, constants: Mapping[str, float], direction: str | None, anisotropic: bool = True
-    ) -> Material:
+    def _bound(self, constants: Mapping[str, float], direction: str | None, anisotropic: bool = True) -> Material:
         key = "parameters" if direction is None else f"directions.{direction}.parameters"
         try:
             return bind(self.document.model, constants, anisotropic=anisotropic)

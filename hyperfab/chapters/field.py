@@ -65,9 +65,7 @@ def moved(grid: Grid, name: str, changes: Mapping[int, float]) -> Array | float:
 
 def grid_of(inputs: Inputs, name: str, document: Document) -> Grid:
     """Return the field beside a drape or a heat document."""
-    cells, array = (
-        ("quad", "thickness_mm") if isinstance(document, DrapeDocument) else ("tetra10", "temperature_degC")
-    )
+    cells, array = ("quad", "thickness_mm") if isinstance(document, DrapeDocument) else ("tetra10", "temperature_degC")
     return read_field(inputs, name, document, cells, array)
 
 

@@ -64,9 +64,7 @@ def per_width(tests: Sequence[TestData], remedy: str) -> bool:
 def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:
     """Return the remark of all tests with one kind of doubt: the worst of them in words."""
     worst = max((doubt for _, doubt in group), key=lambda doubt: doubt.size)
-    places = list(
-        dict.fromkeys(f"{test.source}, line {int(test.lines[doubt.rows[0]])}" for test, doubt in group)
-    )
+    places = list(dict.fromkeys(f"{test.source}, line {int(test.lines[doubt.rows[0]])}" for test, doubt in group))
     more = f" and {len(places) - SHOWN} more" if len(places) > SHOWN else ""
     most = "at most: " if len(places) > 1 else ""
     where = "; ".join(places[:SHOWN]) + more
@@ -131,9 +129,7 @@ def understood(tests: Sequence[TestData], aside: bool = True) -> list[str]:
             notes.setdefault(note, {})[test.source] = None
         if aside and (stated := list(states(test))[:12]):
             notes.setdefault(f"stated and not used: {', '.join(stated)}", {})[test.source] = None
-    found = [
-        f"{named([test.source for test in group])}: {how}; {_what(group)}" for how, group in alike.items()
-    ]
+    found = [f"{named([test.source for test in group])}: {how}; {_what(group)}" for how, group in alike.items()]
     return found + [f"{named(list(sources))}: {note}" for note, sources in notes.items()]
 
 
@@ -168,9 +164,7 @@ def _what(tests: Sequence[TestData]) -> str:
         parts += [f"{name} {_span(known[0], known[-1])} mm"] if known else []
     warm = [one for test in tests if (one := test.temperature_degC) is not None]
     if warm:
-        parts.append(
-            f"{_span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC"
-        )
+        parts.append(f"{_span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC")
     cycles = {int(number) for test in tests if test.cycle is not None for number in np.unique(test.cycle)}
     if cycles:
         parts.append(f"cycle{'s' if len(cycles) > 1 else ''} {_span(min(cycles), max(cycles))}")

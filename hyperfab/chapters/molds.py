@@ -48,10 +48,7 @@ def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: st
     InputError where a surface has holes the sheet could fall through.
     """
     bodies = [read_mold(job, name, stl_unit, axis) for name in names]
-    bodies = [
-        _outward(job, body) if not body.found.closed and _faces_down(body.surface) else body
-        for body in bodies
-    ]
+    bodies = [_outward(job, body) if not body.found.closed and _faces_down(body.surface) else body for body in bodies]
     low = np.min([body.surface.bounds[0, :3] for body in bodies], axis=0)
     high = np.max([body.surface.bounds[0, 3:] for body in bodies], axis=0)
     for body in bodies:
@@ -110,9 +107,7 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
     wound, turned = consistently_wound(faces)
     if len(turned):
         first = facet[turned[0]] + 1
-        job.console.warn(
-            f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {first} first"
-        )
+        job.console.warn(f"{name}: {len(turned)} facets faced the wrong way and were turned, facet {first} first")
     if len(turned) or len(wound) < len(surface.faces):
         surface = Surface(vertices, wound)
         found = surface.soundness()

@@ -15,8 +15,6 @@ def run(job: Job, case: SchemaCase) -> int:
     found = schema(case.kind)
     command = MADE_BY.get(case.kind)
     if command in CASES:
-        found["properties"]["setup"] = {
-            "allOf": [found["properties"].get("setup", {}), case_class(command).schema()]
-        }
+        found["properties"]["setup"] = {"allOf": [found["properties"].get("setup", {}), case_class(command).schema()]}
     write_stdout(dump_json(found))
     return 0

@@ -97,9 +97,7 @@ def _of_directions(read: FabricDocument) -> Fabric:
         "orthotropic: a ground mixed of both directions' laws, and along warp (x) and weft (y) what each law has "
         "beyond it in uniaxial tension"
     )
-    unknown = (
-        "shear and biaxial stiffness of the fabric, beyond a mixture of both directions' laws: not measured"
-    )
+    unknown = "shear and biaxial stiffness of the fabric, beyond a mixture of both directions' laws: not measured"
     return Fabric(name, document.model, sheet, words, thickness, [unknown])
 
 
@@ -114,9 +112,7 @@ def _judged(document: MaterialDocument, degrees: float | None) -> tuple[list[str
     for effect in document.effects or []:
         kind, form = str(effect.get("id", "?")), str(effect.get("form", ""))
         if effect.get("diagonal_softness"):
-            left_out.append(
-                "anisotropy: the softness half-way between warp and weft; a sheet needs its energy"
-            )
+            left_out.append("anisotropy: the softness half-way between warp and weft; a sheet needs its energy")
         if kind == "thermal-softening":
             obeyed.append(kind)
             if degrees is None:

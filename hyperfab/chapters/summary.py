@@ -74,8 +74,7 @@ def _constants(values: Plain, fit: Plain) -> str:
     """Return constants with their standard deviations, where those are known, and what these are of."""
     sd = fit.get("parameters_sd") or {}
     told = ", ".join(
-        f"{name} {constant(value, sd[name]) if name in sd else format(value, '.5g')}"
-        for name, value in values.items()
+        f"{name} {constant(value, sd[name]) if name in sd else format(value, '.5g')}" for name, value in values.items()
     )
     alone = (fit.get("uncertainty") or {}).get("source") in ("readings", "stated")
     return f"{told} (± one sd of the readings alone)" if sd and alone else told
@@ -151,9 +150,7 @@ def _press(data: Plain) -> Iterator[str]:
         f"force {banded(data, 'force_N', 'N')}, pressure up to {banded(data, 'pressure_max_MPa', 'kPa', 1e3, '.3g')}"
     )
     warm = " and ".join(dict.fromkeys(f"{data[mold]['temperature_degC']:.4g}" for mold in ("male", "female")))
-    least, mean, most = (
-        banded(data, f"gap_{which}_mm", "mm", form=".2f") for which in ("min", "mean", "max")
-    )
+    least, mean, most = (banded(data, f"gap_{which}_mm", "mm", form=".2f") for which in ("min", "mean", "max"))
     yield f"gap at {warm} degC {least} to {most}, mean {mean}"
     for change in (data.get("sensitivity") or [])[:3]:
         step = f"{change['typical_step']:g} {change.get('unit', '')}".strip()
@@ -178,8 +175,7 @@ def _sweep(data: Plain) -> Iterator[str]:
             continue
         row = best[name]
         shown = ", ".join(
-            f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}"
-            for key, value in row.items()
+            f"{key} {value:.4g}" if isinstance(value, float) else f"{key} {value}" for key, value in row.items()
         )
         yield f"{sense} {name}: {shown}"
 

@@ -84,9 +84,7 @@ class Ranges:
         """
         for one in document.get("validity") or []:
             source = f"{one['from']} in {os.path.basename(name)}"
-            self.used(
-                one["of"], one["used"], known=one.get("known"), source=source, direction=one.get("direction")
-            )
+            self.used(one["of"], one["used"], known=one.get("known"), source=source, direction=one.get("direction"))
 
     @property
     def entries(self) -> list[Validity]:

@@ -19,9 +19,7 @@ if TYPE_CHECKING:
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only warnings and errors on standard error.")]
 Strict = Annotated[
     bool,
-    typer.Option(
-        "--strict", help="End with status 1 where a law or table was used beyond what is known of it."
-    ),
+    typer.Option("--strict", help="End with status 1 where a law or table was used beyond what is known of it."),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
 #: What is said where a kernel must be compiled: half a minute without a word looks like a fault.
@@ -83,9 +81,7 @@ def arguments_given(context: typer.Context) -> list[str]:
 
 Like = Annotated[
     str | None,
-    typer.Option(
-        "--like", metavar="DOC.json", help="Set-up of an earlier document of this kind; options given win."
-    ),
+    typer.Option("--like", metavar="DOC.json", help="Set-up of an earlier document of this kind; options given win."),
 ]
 
 
@@ -124,9 +120,7 @@ def _of_setting(one: Setting) -> inspect.Parameter:
     shown: Any = [] if one.kind.repeated and one.shown is None else one.shown
     if one.argument:
         return _parameter(one.name, Annotated[kind, typer.Argument(metavar=one.metavar, help=text)], shown)
-    return _parameter(
-        one.name, Annotated[kind, typer.Option(one.option, metavar=one.metavar, help=text)], shown
-    )
+    return _parameter(one.name, Annotated[kind, typer.Option(one.option, metavar=one.metavar, help=text)], shown)
 
 
 def _parameter(name: str, annotation: Any, default: Any) -> inspect.Parameter:

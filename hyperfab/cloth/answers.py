@@ -102,9 +102,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = 
     own = np.array([lengths[d][i, j] for i, j, d, _ in found.bent])
     carried = found.bent_length > own * (1.0 + SLACK)
     for (i, j, d, _), taut in zip(found.bent, carried, strict=True):
-        beside = (
-            np.s_[i : i + 1, max(j - 1, 0) : j + 1] if d == 0 else np.s_[max(i - 1, 0) : i + 1, j : j + 1]
-        )
+        beside = np.s_[i : i + 1, max(j - 1, 0) : j + 1] if d == 0 else np.s_[max(i - 1, 0) : i + 1, j : j + 1]
         folded[beside] = True
         on_edge[beside] |= taut
     sides = 0.25 * (along[:, :-1] + along[:, 1:]) * (across[:-1] + across[1:])

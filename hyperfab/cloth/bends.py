@@ -202,11 +202,7 @@ def find_bends(
                         far = off + (ez - 0.5 * (p[2] + q[2])) ** 2 > reach * reach * len2
                         if far:
                             break
-                    t = (
-                        (ex - p[0]) * (q[0] - p[0])
-                        + (ey - p[1]) * (q[1] - p[1])
-                        + (ez - p[2]) * (q[2] - p[2])
-                    ) / len2
+                    t = ((ex - p[0]) * (q[0] - p[0]) + (ey - p[1]) * (q[1] - p[1]) + (ez - p[2]) * (q[2] - p[2])) / len2
                     t = min(max(t, 0.0), 1.0)
                 if far:
                     continue

@@ -68,9 +68,7 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state
 
 
-def _eased(
-    sheet: Sheet, mold: Mold, start: State, report: Callable[[Step], None] | None
-) -> tuple[State, list[Step]]:
+def _eased(sheet: Sheet, mold: Mold, start: State, report: Callable[[Step], None] | None) -> tuple[State, list[Step]]:
     """Where Newton goes on from a coarser grid's answer, and the steps to there.
 
     Beside sharp edges the nodes between those of the coarser grid stand off the mold or across the edge. Where that

@@ -16,9 +16,7 @@ SIDES = np.array([[0, 0, 1, 0], [0, 1, 1, 1], [0, 0, 0, 1], [1, 0, 1, 1]])
 CORNERS = np.array([[0, 1], [3, 2], [0, 3], [1, 2]])
 #: The pairs of a cell's corners from the node that holds their block: both corners, its i and j, the neighbour
 #: (offsets in galerkin.py).
-PAIRS = np.array(
-    [[0, 1, 0, 0, 0], [3, 2, 0, 1, 0], [0, 3, 0, 0, 1], [1, 2, 1, 0, 1], [0, 2, 0, 0, 2], [3, 1, 0, 1, 3]]
-)
+PAIRS = np.array([[0, 1, 0, 0, 0], [3, 2, 0, 1, 0], [0, 3, 0, 0, 1], [1, 2, 1, 0, 1], [0, 2, 0, 0, 2], [3, 1, 0, 1, 3]])
 
 
 @part
@@ -247,9 +245,7 @@ def cell_stiffness(
                     at = 0
                     for r in range(3):
                         for c in range(r, 3):
-                            own[at] += (
-                                g1 * g1 * a11[r, c] + g2 * g2 * a22[r, c] + g1 * g2 * (a12[r, c] + a12[c, r])
-                            )
+                            own[at] += g1 * g1 * a11[r, c] + g2 * g2 * a22[r, c] + g1 * g2 * (a12[r, c] + a12[c, r])
                             at += 1
                 for pair in range(6):
                     a, b = PAIRS[pair, 0], PAIRS[pair, 1]
@@ -258,9 +254,7 @@ def cell_stiffness(
                     k12, k21 = g[a, 0] * g[b, 1], g[a, 1] * g[b, 0]
                     for r in range(3):
                         for c in range(3):
-                            block[3 * r + c] += (
-                                k11 * a11[r, c] + k22 * a22[r, c] + k12 * a12[r, c] + k21 * a12[c, r]
-                            )
+                            block[3 * r + c] += k11 * a11[r, c] + k22 * a22[r, c] + k12 * a12[r, c] + k21 * a12[c, r]
 
 
 @kernel
@@ -351,9 +345,7 @@ def bent_stiffness(  # noqa: C901
 
 
 @kernel
-def straighten(
-    x: Array, springs: Ints, ways: Array, net: Arrays, pull: Array, diag: Array, off: Array
-) -> None:
+def straighten(x: Array, springs: Ints, ways: Array, net: Arrays, pull: Array, diag: Array, off: Array) -> None:
     """Put right how the ``pull`` (n, m, 2, 3) N of the listed sides turns: along with their ways, across with both.
 
     A side is e = l n, n its chord's direction and l its way's length. Of the second derivative of pull . e what the

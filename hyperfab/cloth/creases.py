@@ -40,9 +40,7 @@ def law_of(net: Arrays, i: int, j: int, d: int, length: float) -> tuple[float, f
 
 
 @kernel
-def bend_forces(
-    x: Array, net: Arrays, springs: Ints, ways: Array, f: Array, push: Array
-) -> tuple[float, float]:
+def bend_forces(x: Array, net: Arrays, springs: Ints, ways: Array, f: Array, push: Array) -> tuple[float, float]:
     """Lay the listed springs over the edges: correct ``f`` and add the edges' push on the sheet to ``push`` (3).
 
     Returns the change of the energy and the largest force of a bent spring.
@@ -163,9 +161,7 @@ def hinge_nodes(springs: Ints, hinges: Ints) -> None:
 
 
 @part
-def over_edge(
-    springs: Ints, ways: Array, creases: Creases, hinge: Ints, x: Array, y: Array, stop: bool
-) -> int:
+def over_edge(springs: Ints, ways: Array, creases: Creases, hinge: Ints, x: Array, y: Array, stop: bool) -> int:
     """A node stepping from x to y past the sharp edge that bends one of its springs goes on along that spring.
 
     Straight on, it would leave the way on which nothing jumps. ``y`` is then where it gets to, or with ``stop`` the

@@ -130,9 +130,7 @@ def deepest_of(
 
 
 @kernel
-def deepest(
-    starts: Array, ends: Array, slots: Ints, mold: Mold, best: float, sure: float
-) -> tuple[float, int, float]:
+def deepest(starts: Array, ends: Array, slots: Ints, mold: Mold, best: float, sure: float) -> tuple[float, int, float]:
     """Deepest point in the mold of the segments ``starts`` to ``ends`` (k, 3), beyond ``best`` mm and to ``sure`` mm.
 
     ``slots``: a facet near each start, or -1. Returns its depth, its segment (-1: none is deeper than ``best``) and the
@@ -199,9 +197,7 @@ def cut(x: Array, sheet: Sheet, mold: Mold, state: State, bent: Ints, bent_at: A
                     along = share * _share(points[a[k]], end[k], points[b[k]])
                     where = (flat[a[k], :2] + along * (flat[b[k], :2] - flat[a[k], :2]), draped)
     at, draped = where
-    return Cut(
-        node, best, (float(at[0]), float(at[1])), (float(draped[0]), float(draped[1]), float(draped[2]))
-    )
+    return Cut(node, best, (float(at[0]), float(at[1])), (float(draped[0]), float(draped[1]), float(draped[2])))
 
 
 def _share(start: Array, over: Array, end: Array) -> float:

@@ -76,11 +76,7 @@ def swing(
     def take_back(now: State) -> None:
         nonlocal last, heavier, released
         released = max(released, energy - balance.energy)
-        if (
-            not mass.size
-            or balance.energy <= energy + GAIN * released + balance.rounding
-            or heavier > HEAVIEST
-        ):
+        if not mass.size or balance.energy <= energy + GAIN * released + balance.rounding or heavier > HEAVIEST:
             return
         heavier *= 4.0
         now.assign(began)

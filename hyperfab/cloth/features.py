@@ -208,12 +208,7 @@ def _decide(
         return state, slot
     face, second = _follow(mold, slots, count, x, r, t, u)
     for e in range(3):
-        if (
-            second >= 0
-            and state > ON_FACE + 3
-            and mold.twins[face, e] == second
-            and mold.turn[face, e] > FLAT
-        ):
+        if second >= 0 and state > ON_FACE + 3 and mold.twins[face, e] == second and mold.turn[face, e] > FLAT:
             return ON_FACE + 1 + e, face  # down either facet alike: along the ridge between them
     if face >= 0:
         return ON_FACE, face

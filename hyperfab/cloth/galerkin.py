@@ -150,9 +150,7 @@ def halve(  # noqa: C901
 
 
 @kernel
-def sandwich_all(
-    q: Array, diag: Array, off: Array, to_diag: Singles, to_off: Singles, first: int, last: int
-) -> None:
+def sandwich_all(q: Array, diag: Array, off: Array, to_diag: Singles, to_off: Singles, first: int, last: int) -> None:
     """Put the projectors of the nodes around the blocks of rows ``first:last`` of an operator, in single precision."""
     n, m = q.shape[0], q.shape[1]
     b, t = np.empty((3, 3)), np.empty((3, 3))

@@ -80,9 +80,7 @@ def _law(knots: Array, values: Array, slopes_left: Array, slopes_right: Array) -
     return SpringLaw(knots, pieces, buckets.astype(np.int64))
 
 
-def tabulate(
-    law: Callable[[Array], tuple[Array, Array]], largest_stretch: float, pieces: int = PIECES
-) -> SpringLaw:
+def tabulate(law: Callable[[Array], tuple[Array, Array]], largest_stretch: float, pieces: int = PIECES) -> SpringLaw:
     """Table of a smooth law ``stretch -> (P, dP/dstretch)`` from 1 to ``largest_stretch``.
 
     The number of pieces is doubled until the error at their middles is below 1e-9 of the largest stress.

@@ -27,15 +27,11 @@ class Tangent:
 
         ``q`` are projectors kept elsewhere.
         """
-        return cls(
-            np.zeros((n, m, 6)), np.zeros((n, m, directions, 9)), np.zeros((n, m, 6)) if q is None else q
-        )
+        return cls(np.zeros((n, m, 6)), np.zeros((n, m, directions, 9)), np.zeros((n, m, 6)) if q is None else q)
 
 
 @kernel
-def _apply(
-    diag: Array, off: Array, q: Array, u: Array, out: Array, rows: Array, first: int, last: int
-) -> None:
+def _apply(diag: Array, off: Array, q: Array, u: Array, out: Array, rows: Array, first: int, last: int) -> None:
     s = np.empty(3)
     for i in range(first, last):
         total = 0.0
@@ -79,9 +75,7 @@ def dot(a: Array, b: Reals) -> float:
 
 
 @kernel
-def _advance(
-    alpha: float, p: Array, ap: Array, d: Array, r: Array, single: Singles, first: int, last: int
-) -> None:
+def _advance(alpha: float, p: Array, ap: Array, d: Array, r: Array, single: Singles, first: int, last: int) -> None:
     """d += alpha p and r -= alpha ap, of rows ``first:last``; ``single`` is r in single precision."""
     for i in range(first, last):
         for j in range(p.shape[1]):

@@ -89,9 +89,7 @@ class Membrane(Energy):
             here = None if self.gradients is None else self.gradients[i:last].reshape(-1, 5)
             if here is not None:
                 to_sheet(here, met)
-            with np.errstate(
-                all="ignore"
-            ):  # beyond the limit of a law its answer is nan, and the step too long
+            with np.errstate(all="ignore"):  # beyond the limit of a law its answer is nan, and the step too long
                 found = self.law(met)
             stress, moduli = self.stress[i:last], self.moduli[i:last]
             stress[:] = found.stress.reshape(stress.shape)

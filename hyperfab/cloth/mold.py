@@ -80,9 +80,7 @@ def raised(mold: Mold, height: float) -> Mold:
     return mold._replace(
         corners=mold.corners + up,
         bounds=mold.bounds + np.concatenate([up, up]),
-        creases=creases._replace(
-            corners=creases.corners + up, bounds=creases.bounds + np.concatenate([up, up])
-        ),
+        creases=creases._replace(corners=creases.corners + up, bounds=creases.bounds + np.concatenate([up, up])),
     )
 
 

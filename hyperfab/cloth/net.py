@@ -130,9 +130,7 @@ class Sheet:
             along, across = self.rest
             return np.full((self.n - 1, self.m), along), np.full((self.n, self.m - 1), across)
         places = self.flat() / (*self.prestretch, 1.0)
-        return np.linalg.norm(np.diff(places, axis=0), axis=2), np.linalg.norm(
-            np.diff(places, axis=1), axis=2
-        )
+        return np.linalg.norm(np.diff(places, axis=0), axis=2), np.linalg.norm(np.diff(places, axis=1), axis=2)
 
     @property
     def skew(self) -> float:
@@ -153,9 +151,7 @@ class Sheet:
         rest = self.rest
         across, along = _shares(self.m) * rest[1], _shares(self.n) * rest[0]
         shear = self.shear or NO_FORCE
-        borne = (
-            shares(self.gradients(POINTS), POINTS, rest) if self.round else along[:, None] * across[None, :]
-        )
+        borne = shares(self.gradients(POINTS), POINTS, rest) if self.round else along[:, None] * across[None, :]
         return Arrays(
             rest,
             across * self.thickness,

@@ -69,9 +69,7 @@ def equilibrium(
     for iteration in range(largest + 1):
         balance.settle(now)
         if friction is not None:
-            balance.worst, balance.where = friction.resist(
-                now.x, now.contact, balance.press, balance.q, balance.r
-            )
+            balance.worst, balance.where = friction.resist(now.x, now.contact, balance.press, balance.q, balance.r)
         relative = balance.residual
         history.append(balance.line(iteration, alpha, inner))
         if report:

@@ -211,9 +211,7 @@ def _push(found: Equilibrium) -> float:
     return float((found.residual - found.force)[touching, 2].sum() + found.push[2])
 
 
-def _spent(
-    sheet: Sheet, before: Friction, after: Friction, old: State, found: Equilibrium
-) -> tuple[float, float]:
+def _spent(sheet: Sheet, before: Friction, after: Friction, old: State, found: Equilibrium) -> tuple[float, float]:
     """Energy in N mm that rubbing on the mold and under the blank holder took in a step."""
     way = found.state.x - after.anchor
     slid = np.where(after.stick_slip > 0, np.linalg.norm(way, axis=2), 0.0)

@@ -21,9 +21,7 @@ DIRECTIONS = 73
 
 
 @part
-def _pull(
-    net: Arrays, x: Array, i: int, j: int, side: int, ways: Array, hinge: Ints, bent: Ints, out: Array
-) -> bool:
+def _pull(net: Arrays, x: Array, i: int, j: int, side: int, ways: Array, hinge: Ints, bent: Ints, out: Array) -> bool:
     """Force of one of the four springs of a node (0, 1 warp; 2, 3 weft) on it; False at the border."""
     n, m = x.shape[0], x.shape[1]
     d = side // 2

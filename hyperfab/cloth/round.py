@@ -42,9 +42,7 @@ def squared(x: Array, y: Array) -> tuple[Array, Array]:
     found, root = [], np.sqrt(8.0)
     for a, b in ((x, y), (y, x)):
         part = 2.0 + a * a - b * b
-        found.append(
-            0.5 * (np.sqrt(np.maximum(part + root * a, 0.0)) - np.sqrt(np.maximum(part - root * a, 0.0)))
-        )
+        found.append(0.5 * (np.sqrt(np.maximum(part + root * a, 0.0)) - np.sqrt(np.maximum(part - root * a, 0.0))))
     return found[0], found[1]
 
 
@@ -59,9 +57,7 @@ def gradients(places: Array, rest: Array, points: Array) -> Array:
     one = one[:, :-1] * (1.0 - b)[:, None] + one[:, 1:] * b[:, None]
     two = two[:-1] * (1.0 - a)[:, None] + two[1:] * a[:, None]
     det = one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]
-    return np.stack(
-        [two[..., 1] / det, -two[..., 0] / det, -one[..., 1] / det, one[..., 0] / det, det], axis=-1
-    )
+    return np.stack([two[..., 1] / det, -two[..., 0] / det, -one[..., 1] / det, one[..., 0] / det, det], axis=-1)
 
 
 def shares(gradient: Array, points: Array, rest: Array) -> Array:

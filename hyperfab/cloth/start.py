@@ -146,9 +146,7 @@ def refined(coarse: State, sheet: Sheet, mold: Mold) -> State:
         x[:, :, k] = (b @ (a @ coarse.x[:, :, k]).T).T
     touching = (coarse.contact != FREE).astype(float)
     # Kernels are compiled for C order; what numpy makes of another, it decides by the size of the array.
-    touch = np.ascontiguousarray(
-        (_interpolation(mc, m, False) @ (_interpolation(nc, n, False) @ touching).T).T
-    )
+    touch = np.ascontiguousarray((_interpolation(mc, m, False) @ (_interpolation(nc, n, False) @ touching).T).T)
     fixed, flat = sheet.fixed, sheet.flat()
     for axis in range(3):
         held = (fixed >> axis) & 1 == 1

@@ -26,9 +26,7 @@ class State(NamedTuple):
 
     def copy(self) -> State:
         """Arrays of its own."""
-        return State(
-            self.x.copy(), self.contact.copy(), self.slot.copy(), self.clear.copy(), self.crossed.copy()
-        )
+        return State(self.x.copy(), self.contact.copy(), self.slot.copy(), self.clear.copy(), self.crossed.copy())
 
 
 @dataclass(frozen=True)

@@ -82,9 +82,7 @@ class Document(BaseModel):
     VERSION: ClassVar[int] = 1
 
     format: str = Field(default="", description="kind and version of the document")
-    files: list[str] = Field(
-        default_factory=list, description="files written beside the document, relative to it"
-    )
+    files: list[str] = Field(default_factory=list, description="files written beside the document, relative to it")
     validity: list[Validity] | None = optional(
         "where each law and table was used, beside where it was tested or tabulated"
     )
@@ -220,9 +218,7 @@ def first_error(
         return InputError(f"is not a key of this document{more}", file=name, key=key, remedy=hint)
     text = first["msg"].removeprefix("Value error, ")
     shown = "" if isinstance(value, (dict, list)) else f", not {_short(value)}"
-    return InputError(
-        f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key
-    )
+    return InputError(f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key)
 
 
 def _key(place: tuple[int | str, ...]) -> str:
@@ -274,11 +270,7 @@ def _maker(kind: str) -> str:
         "heat": "mold-heat",
         "press": "press-contact",
     }
-    return (
-        f"make one with hf {makers[kind]}"
-        if kind in makers
-        else f"hf schema {kind} prints what belongs in one"
-    )
+    return f"make one with hf {makers[kind]}" if kind in makers else f"hf schema {kind} prints what belongs in one"
 
 
 def _short(value: object) -> str:

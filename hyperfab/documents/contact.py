@@ -24,16 +24,12 @@ class SetupPart(Part):
     punch_facets: int | None = None
     depth_mm: float
     prestretch: float
-    rim_slip_mm2_N: float | None = optional(
-        "slip of the rim in mm for each N/mm of tension; absent where it is held"
-    )
+    rim_slip_mm2_N: float | None = optional("slip of the rim in mm for each N/mm of tension; absent where it is held")
     frame_stiffness_N_mm: float | None = optional(
         "of the machine that reads the depth: the punch is less deep by the force over this; absent where it is rigid"
     )
     temperature_degC: float | None = optional("of the fabric, where known")
-    constants_degC: float | None = optional(
-        "temperature of the constants, where none are known at that of the fabric"
-    )
+    constants_degC: float | None = optional("temperature of the constants, where none are known at that of the fabric")
     effects: list[str] | None = optional("effects of the material document that are obeyed")
     friction: str
     mesh_size_mm: float
@@ -97,9 +93,7 @@ class ContactDocument(Computed):
     linear_solver: str | None = optional("what solved Newton's equations")
     force_N: float | None = None
     force_error_relative: float | None = optional("estimated from two meshes")
-    cut_max_mm: float | None = optional(
-        "how deep elements cut into sharp edges of a punch, between their nodes"
-    )
+    cut_max_mm: float | None = optional("how deep elements cut into sharp edges of a punch, between their nodes")
     force_extrapolated_N: float | None = optional(
         "for load steps of length zero, where the force hangs on them (stick)"
     )
@@ -109,9 +103,7 @@ class ContactDocument(Computed):
     contact_radius_undeformed_mm: float | None = None
     stretch_max: float | None = None
     stress_max_MPa: float | None = optional("largest Cauchy principal stress")
-    stress_nominal_max_MPa: float | None = optional(
-        "largest nominal principal stress: force per undeformed section"
-    )
+    stress_nominal_max_MPa: float | None = optional("largest nominal principal stress: force per undeformed section")
     pressure_max_MPa: float | None = optional("largest contact pressure of the punch")
     energy_J: float | None = optional("strain energy of the sheet")
     wrinkled_area_fraction: float | None = optional("of the undeformed area; slack included")

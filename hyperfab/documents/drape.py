@@ -22,9 +22,7 @@ class DrapeMold(Part):
 
     facets: int
     closed: bool
-    shift_mm: list[float] = Field(
-        description="[x, y, z] added to the STL's coordinates, turned where axis is not z"
-    )
+    shift_mm: list[float] = Field(description="[x, y, z] added to the STL's coordinates, turned where axis is not z")
     axis: str = Field(
         default="z", description="of the STL, points up: its x, y, z are turned to y, z, x (x) or z, x, y (y)"
     )
@@ -103,9 +101,7 @@ class DrapeDocument(Computed):
     penetration_edges_mm: float = Field(
         description="depth of the deepest point of any spring below the mold's surface, exact to 1e-6 mm"
     )
-    penetration_edges_at_mm: list[float] | None = optional(
-        "place on the flat sheet of the spring that cuts deepest"
-    )
+    penetration_edges_at_mm: list[float] | None = optional("place on the flat sheet of the spring that cuts deepest")
     stretch_max: float | None = optional(
         "largest stretch of a spring, of warp and weft; of a membrane the largest principal stretch"
     )
@@ -114,9 +110,7 @@ class DrapeDocument(Computed):
     stress_nominal_max_MPa: float | None = optional(
         "largest nominal stress, force per undeformed section: of springs, of a membrane the principal one"
     )
-    wrinkled_area_fraction: float | None = optional(
-        "of a membrane: share of the undeformed area wrinkled or slack"
-    )
+    wrinkled_area_fraction: float | None = optional("of a membrane: share of the undeformed area wrinkled or slack")
     stands_through_mm: float | None = optional(
         "how far a corner or tip of the mold stands out through the net, between its nodes"
     )
@@ -133,9 +127,7 @@ class DrapeDocument(Computed):
     shape: str = Field(default="rectangle", description="of the flat sheet: rectangle, or disc")
     depth_mm: float
     temperature_degC: float | None = optional("of the fabric's constants, where known")
-    constants_degC: float | None = optional(
-        "temperature of the constants, where none are known at that of the fabric"
-    )
+    constants_degC: float | None = optional("temperature of the constants, where none are known at that of the fabric")
     clamp: list[str]
     slide: list[str] = Field(default_factory=list, description="edges held but free along their line")
     blank_holder_N_mm: dict[str, float] | None = optional(

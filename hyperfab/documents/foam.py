@@ -187,9 +187,7 @@ class Shrinkage(Section):
         if isinstance(self.amount, float) and not 0.0 <= self.amount <= 0.9:
             raise ValueError("amount is a share of the thickness, between 0 and 0.9")
         if (self.time is None) != (self.dwell is None):
-            raise ValueError(
-                "time and dwell belong together: how fast the foam shrinks, and how long it is pressed"
-            )
+            raise ValueError("time and dwell belong together: how fast the foam shrinks, and how long it is pressed")
         return self
 
 

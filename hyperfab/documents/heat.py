@@ -40,9 +40,7 @@ class Energy(Part):
     supplied_J: float | None = optional(
         "given by the heaters, and by held temperatures in steps in which they give heat; absent in a steady state"
     )
-    lost_J: float | None = optional(
-        "left through all other conditions, and through held temperatures that took it"
-    )
+    lost_J: float | None = optional("left through all other conditions, and through held temperatures that took it")
     stored_J: float = Field(description="gained by the parts")
     imbalance_relative: float = Field(
         description="largest |supplied - lost - stored| after any step, over all heat turned over, "
@@ -71,9 +69,7 @@ class FaceUse(Part):
 class Design(Part):
     """Heater powers that were chosen for a wish, and what they reach."""
 
-    power_W: dict[str, float] = Field(
-        default_factory=dict, description="power of each heater, at its greatest"
-    )
+    power_W: dict[str, float] = Field(default_factory=dict, description="power of each heater, at its greatest")
     warmup_wanted_s: float | None = None
     power_factor: float | None = optional("on all powers, for the wanted warm-up time")
     runs: int | None = optional("warm-ups that were computed to find the factor")
@@ -116,9 +112,7 @@ class PieceResult(Part):
     heat_from_mold_J: float
     heat_from_other_J: float | None = optional("from what its other face meets")
     taken_out_degC: float = Field(description="mean of the piece, by its heat capacity, as it is taken out")
-    supplied_J: float = Field(
-        description="by the heaters, and held temperatures that give heat, until the next"
-    )
+    supplied_J: float = Field(description="by the heaters, and held temperatures that give heat, until the next")
     lost_J: float = Field(description="by the mold through all conditions until the next, the piece apart")
 
 
@@ -148,9 +142,7 @@ class ReducedRun(Part):
 
     unknowns: int = Field(description="vectors of the basis")
     begun_s: float = Field(description="when it was first gone over to; before, the mold is followed in full")
-    stretches: int = Field(
-        description="from one switching or corner of a schedule to the next, on the reduced mold"
-    )
+    stretches: int = Field(description="from one switching or corner of a schedule to the next, on the reduced mold")
     checks: int = Field(description="stretches that were gone through in full too")
     error_bound_K: float = Field(
         description="what probes and work surface may be off by against the full mold: differences at the ends of "

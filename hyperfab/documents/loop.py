@@ -36,15 +36,11 @@ class Errors(Part):
 class NoiseFigures(Part):
     """The noise the data were judged against."""
 
-    sd: float = Field(
-        description="one standard deviation of a reading (root mean square), in the unit of the data"
-    )
+    sd: float = Field(description="one standard deviation of a reading (root mean square), in the unit of the data")
     unit: str
     source: str
     degrees_of_freedom: float | None = None
-    specimen_scatter: float | None = optional(
-        "relative standard deviation of the stiffness between specimens"
-    )
+    specimen_scatter: float | None = optional("relative standard deviation of the stiffness between specimens")
     contraction_scatter: float | None = optional("the same of how much narrower they become")
     correlation: float | None = optional("between neighbouring readings")
     assumed_scatter: float | None = optional(
@@ -139,9 +135,7 @@ class NextMeasurement(Part):
 class MovedConstant(Part):
     """A constant of a document upstream, in that document's unit."""
 
-    name: str = Field(
-        description="the document, and the key in it; of the model itself the key of its set-up"
-    )
+    name: str = Field(description="the document, and the key in it; of the model itself the key of its set-up")
     change: float = Field(description="what it would have to change by")
     sd: float = Field(description="how sure that is, with all constants of the chapter free")
     known_sd: float = Field(description="how sure it was taken to be: as stated, else 10 % or what is usual")
@@ -154,9 +148,7 @@ class ChapterTried(Part):
     document: str | None = optional("relative to this one; absent where it is the model's own set-up")
     probability: float
     off: float = Field(description="standard deviations of what was known of its constants, together")
-    error: Errors = Field(
-        description="by the derivatives of the chain: as its documents are, and with these constants"
-    )
+    error: Errors = Field(description="by the derivatives of the chain: as its documents are, and with these constants")
     constants: list[MovedConstant]
     shown_by: str = Field(description="the measurement that shows this chapter by itself")
 
@@ -170,9 +162,7 @@ class Upstream(Part):
     probability: dict[str, float] = Field(
         description="of each chapter, that all is as stated, and that it is something else"
     )
-    error: Errors | None = optional(
-        "of the whole chain run anew with the corrected document, beside it as it was"
-    )
+    error: Errors | None = optional("of the whole chain run anew with the corrected document, beside it as it was")
     written: str | None = optional("the corrected document, relative to this one")
     command: str | None = optional("the command that takes it, from this document's folder")
     chapters: list[ChapterTried]
@@ -200,9 +190,7 @@ class LoopDocument(Document):
     held_out: Errors | None = None
     residual: Residual
     candidates: list[Candidate] = Field(default_factory=list)
-    something_else: float | None = optional(
-        "probability that what the model lacks is no entry of the catalogue"
-    )
+    something_else: float | None = optional("probability that what the model lacks is no entry of the catalogue")
     indistinguishable: list[list[str]] = Field(
         default_factory=list,
         description="sets of effects that these data cannot tell apart, the named one first",

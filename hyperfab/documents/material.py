@@ -82,9 +82,7 @@ class FitUncertainty(Part):
         "of the constants; absent where nothing shows how specimens scatter nor states how readings do"
     )
     specimens: int = Field(description="specimens fitted")
-    degrees_of_freedom: float = Field(
-        description="of Student's t for an interval; 0 where there are no replicates"
-    )
+    degrees_of_freedom: float = Field(description="of Student's t for an interval; 0 where there are no replicates")
     source: Literal["specimens", "readings", "stated"] = Field(
         description="specimens: from how they scatter; readings: how they scatter is unknown; stated: from what is "
         "stated of the readings, how specimens scatter being unknown too"
@@ -142,9 +140,7 @@ class StableRange(Part):
         description="what ends the range above: instability, the limiting stretch of the law, or the scan"
     )
     first_unstable_stretch: float | None = None
-    stable_over_data: bool | None = optional(
-        "whether the range covers the stretches of the test; absent without one"
-    )
+    stable_over_data: bool | None = optional("whether the range covers the stretches of the test; absent without one")
 
 
 class StablePlane(Part):
@@ -236,15 +232,11 @@ class MaterialDocument(Document):
     thickness_nominal: bool | None = optional(
         "true where no thickness is known: 1 mm is taken, and constants in MPa are N/mm of width"
     )
-    temperature_degC: float | None = optional(
-        "temperature at which parameters hold, where the tests state theirs"
-    )
+    temperature_degC: float | None = optional("temperature at which parameters hold, where the tests state theirs")
     directions: dict[str, Direction] | None = optional(
         "warp and weft, each with its own constants, where tests were cut both ways"
     )
-    temperatures: list[AtTemperature] | None = optional(
-        "constants against temperature, to be interpolated linearly"
-    )
+    temperatures: list[AtTemperature] | None = optional("constants against temperature, to be interpolated linearly")
     fit: FitFigures | None = None
     stability: dict[str, StableRange] | None = None
     stability_plane: StablePlane | None = None
@@ -272,9 +264,7 @@ class MaterialDocument(Document):
     )
     tested: dict[str, Tested] | None = optional("by test: the range of the data behind the constants")
 
-    def tested_stretch(
-        self, direction: str | None = None, test: str | None = None
-    ) -> tuple[float, float] | None:
+    def tested_stretch(self, direction: str | None = None, test: str | None = None) -> tuple[float, float] | None:
         """Return the smallest and the largest stretch of the tests behind the constants; None where nothing says.
 
         Of one ``test`` where there are such, else of all; of a ``direction`` where it has constants of its own.
@@ -337,9 +327,7 @@ class MaterialDocument(Document):
         elif direction in self.directions:
             own, table = self.directions[direction].parameters, self.directions[direction].temperatures
         else:
-            raise UsageError(
-                f"the material has no direction {direction}; it has {', '.join(self.directions)}"
-            )
+            raise UsageError(f"the material has no direction {direction}; it has {', '.join(self.directions)}")
         if temperature_degC is None or not table:
             return dict(own)
         return interpolated(table, temperature_degC)
@@ -361,10 +349,7 @@ def interpolated(table: list[AtTemperature], temperature_degC: float) -> Paramet
         if temperature_degC <= high.temperature_degC:
             span = high.temperature_degC - low.temperature_degC
             share = (temperature_degC - low.temperature_degC) / span
-            found = {
-                name: value + share * (high.parameters[name] - value)
-                for name, value in low.parameters.items()
-            }
+            found = {name: value + share * (high.parameters[name] - value) for name, value in low.parameters.items()}
             if "f" in found:  # the share of mu that the first of two brackets has: of that goes mu f linearly
                 first, last = (row.parameters["mu_MPa"] * row.parameters["f"] for row in (low, high))
                 found["f"] = (first + share * (last - first)) / found["mu_MPa"]

@@ -323,9 +323,7 @@ class MoldDocument(HandWritten):
                 )
         slow = {probe.name for probe in self.probe if any(probe.lags)}
         if any(heater.control is not None and heater.control.probe in slow for heater in self.heater):
-            raise MisfitError(
-                "probe", "a thermostat's probe has no lag here: leave its lag out, or widen the band"
-            )
+            raise MisfitError("probe", "a thermostat's probe has no lag here: leave its lag out, or widen the band")
         if self.run.target is not None and self.work_surface is None:
             raise MisfitError("run.target", "run.target waits for the mean of [work_surface]; add that table")
         if self.production is not None:
@@ -350,14 +348,10 @@ class MoldDocument(HandWritten):
             key = f"production.layers.{number}.material"
             if layer.material not in self.material:
                 known = ", ".join(self.material)
-                raise MisfitError(
-                    key, f"a layer is of {layer.material!r}, which is no [material]; there is {known}"
-                )
+                raise MisfitError(key, f"a layer is of {layer.material!r}, which is no [material]; there is {known}")
             stuff = self.material[layer.material]
             if not (isinstance(stuff.conductivity, float) and isinstance(stuff.specific_heat, float)):
-                raise MisfitError(
-                    key, f"a layer is of {layer.material!r}, which has tables: pieces have constants"
-                )
+                raise MisfitError(key, f"a layer is of {layer.material!r}, which has tables: pieces have constants")
         if production.pieces is None and any(heater.control is not None for heater in self.heater):
             raise MisfitError(
                 "production.pieces",

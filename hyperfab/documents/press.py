@@ -18,9 +18,7 @@ class GapRange(Part):
     min_mm: float | None = None
     mean_mm: float | None = None
     max_mm: float | None = None
-    missed_area_fraction: float = Field(
-        default=0.0, description="share of the area whose ray misses the female"
-    )
+    missed_area_fraction: float = Field(default=0.0, description="share of the area whose ray misses the female")
 
 
 class ThicknessRange(Part):
@@ -206,9 +204,7 @@ class PressDocument(Computed):
     )
     pressure_max_MPa: float
     pressure_mean_MPa: float = Field(description="over the touching area, of the pressure that acts on it")
-    stroke_mm: float = Field(
-        description="travel from the first touch of the sandwich; negative: not yet touched"
-    )
+    stroke_mm: float = Field(description="travel from the first touch of the sandwich; negative: not yet touched")
     tilt_deg: float
     tilt_vector_deg: Place | None = optional("rotation vector of a floating or tilted female")
     centre_of_pressure_mm: Place | None = None
@@ -217,9 +213,7 @@ class PressDocument(Computed):
     states: StateAreas
 
     clearance_cold_mm: float = Field(description="axial clearance at the datum, cold")
-    clearance_to_set_mm: float | None = optional(
-        "clearance to set, cold and unloaded, before the press frame yields"
-    )
+    clearance_to_set_mm: float | None = optional("clearance to set, cold and unloaded, before the press frame yields")
     clearance_drawn_mm: float | None = optional(
         "axial clearance at the datum as drawn; negative: drawn into each other"
     )
@@ -233,36 +227,22 @@ class PressDocument(Computed):
     sandwich_mm: float = Field(description="thickness of foam and fabric, unpressed; the mean where draped")
     sandwich_min_mm: float | None = optional("where the drape thins it most")
     sandwich_max_mm: float | None = None
-    foam_shrinkage: float = Field(
-        description="share of the foam's thickness lost to heat by the end of the dwell"
-    )
-    foam_relaxation: float = Field(
-        default=0.0, description="share of the foam's stress lost by the end of the dwell"
-    )
-    foam_thinning: str | None = optional(
-        "how foam thins where it is draped: by which Poisson's ratio, or by its law"
-    )
+    foam_shrinkage: float = Field(description="share of the foam's thickness lost to heat by the end of the dwell")
+    foam_relaxation: float = Field(default=0.0, description="share of the foam's stress lost by the end of the dwell")
+    foam_thinning: str | None = optional("how foam thins where it is draped: by which Poisson's ratio, or by its law")
     frame_stiffness_N_mm: float | None = optional("of the press; absent: rigid")
     final_thickness: ThicknessRange | None = optional(
         "of the sandwich when the press has opened; absent where no recovery of the foam is given"
     )
-    formed: FormedPart | None = optional(
-        "of the sandwich after --dwell; absent where no set of the foam is given"
-    )
+    formed: FormedPart | None = optional("of the sandwich after --dwell; absent where no set of the foam is given")
     wanted: WantedPart | None = optional("what was asked for (--wanted), and what is formed")
     compensation: CompensationPart | None = None
     warming: WarmingPart | None = optional("temperature of the sandwich (--dwell)")
-    chord_error_mm: float = Field(
-        description="how far the facets stand off the smooth molds (95 % of the area)"
-    )
+    chord_error_mm: float = Field(description="how far the facets stand off the smooth molds (95 % of the area)")
     search: str = Field(description="how the gap was searched: by an exact tree, every distance proven")
     border_area_fraction: float = Field(description="area whose nearest point is an open edge of the female")
-    oblique_area_fraction: float = Field(
-        description="area where nearest and normal direction part by over 30 deg"
-    )
-    force_stroke: list[tuple[float, float]] = Field(
-        description="[stroke_mm, force_N] from the first touch on"
-    )
+    oblique_area_fraction: float = Field(description="area where nearest and normal direction part by over 30 deg")
+    force_stroke: list[tuple[float, float]] = Field(description="[stroke_mm, force_N] from the first touch on")
     histogram: Histogram
     sensitivity: list[LeverPart] = Field(description="what to change first: strongest first")
     design: DesignPart | None = None

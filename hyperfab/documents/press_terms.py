@@ -151,9 +151,7 @@ class Variation(Section):
             place = dict(zip(axes, point, strict=True))
             left = 1.0 + sum(value * math.prod(place[axis] for axis in name) for name, value in terms.items())
             if left < 0.1 or left > 1.9:
-                raise ValueError(
-                    "the shares add up to more than 0.9: somewhere nothing would be left of the foam"
-                )
+                raise ValueError("the shares add up to more than 0.9: somewhere nothing would be left of the foam")
         return self
 
     def terms(self) -> dict[str, float]:

@@ -41,9 +41,7 @@ def record(command: str, arguments: Sequence[str], inputs: Iterable[InputFile], 
     """Return the provenance of a document written to ``target`` (``-``: standard output)."""
     files = list(inputs)
     names = {file.name: relative_name(file.name, target) for file in files}
-    shown = [
-        relative_name(text, target) if os.path.isabs(text) else names.get(text, text) for text in arguments
-    ]
+    shown = [relative_name(text, target) if os.path.isabs(text) else names.get(text, text) for text in arguments]
     inputs_seen = [InputRecord(name=names[file.name], sha256=file.sha256) for file in files]
     return Provenance(hf=__version__, command=command, arguments=shown, inputs=inputs_seen)
 

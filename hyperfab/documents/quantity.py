@@ -36,9 +36,7 @@ def written(kind: str) -> PlainSerializer:
     )
 
 
-def _field(
-    kind: str, least: float | None = None, open_end: bool = False, *, example: str | None = None
-) -> Any:
+def _field(kind: str, least: float | None = None, open_end: bool = False, *, example: str | None = None) -> Any:
     article = "an" if kind[0] in "aeiou" else "a"
     shown = {
         "type": "string",
@@ -47,9 +45,7 @@ def _field(
     }
     if kind == "dimensionless":
         shown = {"type": ["number", "string"], "description": "a number"}
-    return Annotated[
-        float, PlainValidator(parsed(kind, least, open_end)), written(kind), WithJsonSchema(shown)
-    ]
+    return Annotated[float, PlainValidator(parsed(kind, least, open_end)), written(kind), WithJsonSchema(shown)]
 
 
 class TableFile(Section):

@@ -90,9 +90,7 @@ class DocumentSection(Section):
     """A document that the study edits for each case."""
 
     source: str = Field(alias="from", description="the document to start from, relative to the study")
-    set: dict[str, Any] = Field(
-        default_factory=dict, description="dotted key (list items by number, or *): value"
-    )
+    set: dict[str, Any] = Field(default_factory=dict, description="dotted key (list items by number, or *): value")
 
 
 class StepSection(Section):
@@ -165,15 +163,11 @@ class StudyDocument(HandWritten):
                 f"axis {drawn[0]!r} is drawn from a distribution; add [sampling] with count and seed",
             )
         if self.sampling is not None and not drawn:
-            raise MisfitError(
-                "sampling", "[sampling] is there, but no axis has a distribution; remove it or add one"
-            )
+            raise MisfitError("sampling", "[sampling] is there, but no axis has a distribution; remove it or add one")
         for key, wanted in (("limit", self.limit), ("pareto", self._front())):
             for name in wanted:
                 if name not in self.figures:
-                    raise MisfitError(
-                        key, f"{key} asks for {name!r}; the figures are {', '.join(self.figures)}"
-                    )
+                    raise MisfitError(key, f"{key} asks for {name!r}; the figures are {', '.join(self.figures)}")
         return self
 
     @property

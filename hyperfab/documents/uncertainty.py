@@ -76,9 +76,7 @@ class Uncertainty(Part):
     method: Literal["linear", "sampled"]
     samples: int | None = optional("runs that were drawn")
     reason: str | None = optional("why it was sampled without being asked")
-    quantities: dict[str, Band] = Field(
-        description="by the figure's own key, with dots where it stands deeper"
-    )
+    quantities: dict[str, Band] = Field(description="by the figure's own key, with dots where it stands deeper")
     sources: list[SourcePart] = Field(
         default_factory=list,
         description="what the inputs state; by them later commands know what they already have",
@@ -93,9 +91,7 @@ class Uncertainty(Part):
 class Computed(Document):
     """A document of computed figures."""
 
-    uncertainty: Uncertainty | None = optional(
-        "how sure the figures are, where the inputs say how sure they are"
-    )
+    uncertainty: Uncertainty | None = optional("how sure the figures are, where the inputs say how sure they are")
 
 
 def figures_of(plain: Mapping[str, Any], kind: str) -> Iterator[tuple[str, float]]:

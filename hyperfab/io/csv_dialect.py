@@ -62,9 +62,7 @@ def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> l
     lines = lines_of(decode(data, name, layout.titles), name)
     metadata, body, separator = _comments(lines, layout)
     if not body:
-        raise InputError(
-            "has no header and no rows", file=name, remedy="a table with a header line is expected"
-        )
+        raise InputError("has no header and no rows", file=name, remedy="a table with a header line is expected")
     given = separator
     separator = separator or _separator([text for _, text in body[:21]])
     first = _first_table(body, separator, name, fits, layout)
@@ -135,9 +133,7 @@ def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout:
     return found
 
 
-def _comments(
-    lines: list[str], layout: Layout
-) -> tuple[dict[str, list[Entry]], list[tuple[int, str]], str | None]:
+def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]], list[tuple[int, str]], str | None]:
     """Take out metadata, comments and empty lines; what is left is head and rows with their line numbers."""
     metadata: dict[str, list[Entry]] = {}
     body: list[tuple[int, str]] = []
@@ -220,12 +216,8 @@ def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block], name
 def _fill(block: Block, rows: list[tuple[int, str]], separator: str, name: str) -> bool:
     """Give a block the columns of its rows where they are plain throughout, and return whether they are."""
     if len(rows) * len(block.headings) > MAX_CELLS:
-        raise InputError(
-            f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels"
-        )
-    columns = (
-        uniform([text for _, text in rows], separator, len(block.headings)) if len(rows) > _WINDOW else None
-    )
+        raise InputError(f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels")
+    columns = uniform([text for _, text in rows], separator, len(block.headings)) if len(rows) > _WINDOW else None
     if columns is None or not all(map(_plain_column, columns)):
         return False
     block.columns, block.lines = columns, [number for number, _ in rows]
@@ -304,9 +296,7 @@ def _headless(rows: list[Row], name: str) -> InputError:
     )
 
 
-def _sheet(
-    block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], layout: Layout
-) -> CsvSheet:
+def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], layout: Layout) -> CsvSheet:
     """Return a block as a sheet, its rows judged one by one."""
     if block.columns is None:
         keep_readings(block, name, separator)
@@ -314,9 +304,7 @@ def _sheet(
     for key, entries in block.metadata.items():
         everything.setdefault(key, []).extend(entries)
     if block.columns is None and not block.rows:
-        raise InputError(
-            "has a header but no rows", file=name, line=block.head_line, remedy="export the readings too"
-        )
+        raise InputError("has a header but no rows", file=name, line=block.head_line, remedy="export the readings too")
     columns = (
         block.columns
         if block.columns is not None

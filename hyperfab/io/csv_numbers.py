@@ -52,9 +52,7 @@ def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | No
     seen: dict[str, tuple[str, int, Heading]] = {}  # what speaks for a mark, and for a grouping mark
     undecided: dict[str, tuple[str, int, Heading]] = {}
     headings = list(headings)
-    mixed = all(
-        any(mark in cell for heading in headings for cell in sheet.columns[heading.index]) for mark in ".,"
-    )
+    mixed = all(any(mark in cell for heading in headings for cell in sheet.columns[heading.index]) for mark in ".,")
     for heading in headings:
         cells = sheet.columns[heading.index]
         joined = "\n".join(cells)
@@ -71,9 +69,7 @@ def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | No
                     seen[mark] = (cell, line, heading)
             elif mark:
                 undecided.setdefault(mark[1], (cell, line, heading))
-            if (
-                seen and not mixed
-            ):  # nothing can contradict; a cell that does not fit is found when it is read
+            if seen and not mixed:  # nothing can contradict; a cell that does not fit is found when it is read
                 return next(iter(seen))
     return _verdict(sheet, seen, undecided)
 
@@ -139,9 +135,7 @@ def _mark_in(cell: str) -> str:
     return "," if "," in cell else "."
 
 
-def numbers(
-    sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False
-) -> NDArray[np.float64]:
+def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False) -> NDArray[np.float64]:
     """Return the cells under ``heading``, times ten to the power ``shift``, each the nearest double to what is written.
 
     Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large; with ``gaps`` a
@@ -205,9 +199,7 @@ def quantities(
     return values + float(offset) if offset else values
 
 
-def other_unit(
-    sheet: CsvSheet, heading: Heading, unit: str, kind: str, name: str, message: str = ""
-) -> InputError:
+def other_unit(sheet: CsvSheet, heading: Heading, unit: str, kind: str, name: str, message: str = "") -> InputError:
     """Return the error that a column's unit is none of its kind, with what to say where the numbers are in a known one.
 
     What stands beside a name may also be an amount: the range of a load cell, or what each number counts for.
@@ -318,6 +310,4 @@ def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str
 
 def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int) -> InputError:
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    return sheet.wrong(
-        f"{shown or 'the cell'} {what}", heading, row=row, remedy="correct the cell or delete the row"
-    )
+    return sheet.wrong(f"{shown or 'the cell'} {what}", heading, row=row, remedy="correct the cell or delete the row")

@@ -46,11 +46,7 @@ class CsvSheet:
             lambda one: m.name if (m := meaning(suffixed(one))) is not None and not m.axis else None,
         )
         for name_of in read:
-            found = [
-                suffixed(one) if name_of is not read[0] else one
-                for one in self.headings
-                if name_of(one) in names
-            ]
+            found = [suffixed(one) if name_of is not read[0] else one for one in self.headings if name_of(one) in names]
             if len(found) > 1:
                 raise self.two(found, names[0])
             if found:
@@ -74,9 +70,7 @@ class CsvSheet:
         told = dict(one.entry for one in self.layout.columns)
         return filled_in([*(told | dict(entries)).items()])
 
-    def wrong(
-        self, why: str, heading: Heading | None = None, *, row: int | None = None, remedy: str
-    ) -> InputError:
+    def wrong(self, why: str, heading: Heading | None = None, *, row: int | None = None, remedy: str) -> InputError:
         """Return the error that something is wrong in a column: at a row, or in the header where none is named."""
         line = self.header_line if row is None else self.lines[row]
         column = None if heading is None else heading.title

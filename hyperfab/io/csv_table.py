@@ -71,9 +71,7 @@ def read_table(
 
     def fits(heads: Sequence[Heading]) -> bool:
         names = {one.name for one in heads} | {suffixed(one).name for one in heads}
-        names |= {
-            m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names
-        }
+        names |= {m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names}
         return set(columns) <= names
 
     offered = layout is not None
@@ -133,9 +131,7 @@ def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[s
     unit, known = KINDS[rest].unit, {one.casefold() for one in called}
     bare = [one for one in sheet.headings if one.unit is None]
     own = [(one.title, f"{rest} [{unit}]") for one in bare if one.name in known]
-    others = [
-        (one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in bare if one.name in asked
-    ]
+    others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in bare if one.name in asked]
     return sheet.wrong(
         f"has no column of a {rest}",
         remedy=f"say {sheet.option([*others, *own])}" if own else f'name one a probe, as in "T1 [{unit}]"',
@@ -155,12 +151,8 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
         and (one.unit is None or is_of(one.unit, kind))
         and any(map(is_number, sheet.columns[one.index][:5]))
     ]
-    settles = (
-        f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""
-    )
-    return sheet.wrong(
-        f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}'
-    )
+    settles = f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""
+    return sheet.wrong(f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}')
 
 
 def _check_increasing(sheet: CsvSheet, heading: Heading, values: NDArray[np.float64]) -> None:

@@ -103,9 +103,7 @@ def _read_sheet(
     if not sheet.lines:
         raise sheet.wrong("has no row with readings", remedy="export the readings too")
     numeric = [
-        one.heading
-        for one in columns.columns.values()
-        if any(map(is_number, sheet.columns[one.heading.index][:3]))
+        one.heading for one in columns.columns.values() if any(map(is_number, sheet.columns[one.heading.index][:3]))
     ]
     mark = settle_decimal(sheet, numeric, decimal)
     sheet = _without_stale_row(sheet, columns, mark)
@@ -115,13 +113,9 @@ def _read_sheet(
     sizes = strip.sizes
     ways = directions(sheet, columns)
     named = held_down(words_or_stated(sheet, columns, "specimen"))
-    numbered = (
-        [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
-    )
+    numbered = [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
     groups = _groups(kinds, ways, numbered)
-    loadings = {
-        kind: read_loading(strip, columns, kind, pressed) for kind in sorted({one for one, _, _ in groups})
-    }
+    loadings = {kind: read_loading(strip, columns, kind, pressed) for kind in sorted({one for one, _, _ in groups})}
     known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
@@ -150,15 +144,11 @@ def _read_sheet(
         refuse_impossible(part, sheet, columns, clock)
         found.append(part)
     rows_of = [
-        one
-        for name, one in columns.columns.items()
-        if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
+        one for name, one in columns.columns.items() if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
     ]
     used = [column for loading in loadings.values() for column in loading.used]
     line = understood(sheet, [*used, *rows_of])
-    chosen = tuple(
-        one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None
-    )
+    chosen = tuple(one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None)
     return [replace(part, understood=line, chosen=chosen) for part in found]
 
 
@@ -200,9 +190,7 @@ def _with_readings(sheet: CsvSheet, columns: Roles) -> CsvSheet:
     count = len(sheet.lines)
     pairs = [(names, place) for names in (STRETCHES, STRESSES) for place in ("", " 2")]
     needed = [
-        sheet.columns[one.heading.index]
-        for names, place in pairs
-        if (one := columns.first(names, place)) is not None
+        sheet.columns[one.heading.index] for names, place in pairs if (one := columns.first(names, place)) is not None
     ]
     for cells in needed:
         if not _ODD.search("\n".join(cells)):
@@ -227,9 +215,7 @@ def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
     used = {column.heading.index for loading in loadings for column in loading.used}
     rows = ("time", "temperature", "chamber", "rate", "cycle", "branch", "direction", "specimen", "test")
     return [
-        one.heading.title
-        for name, one in columns.columns.items()
-        if one.heading.index not in used and name not in rows
+        one.heading.title for name, one in columns.columns.items() if one.heading.index not in used and name not in rows
     ]
 
 

@@ -45,9 +45,7 @@ def decode(data: bytes, name: str, wanted: tuple[str, ...] = ()) -> str:
     ('µ;°', 'Prüfkraft')
     """
     if len(data) > MAX_BYTES:
-        raise InputError(
-            f"is larger than {MAX_BYTES // 2**20} MiB", file=name, remedy="thin the recording out"
-        )
+        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", file=name, remedy="thin the recording out")
     if not data.strip():
         raise InputError("is empty", file=name, remedy="a table with a header line is expected")
     for start, what, remedy in _OTHERS:
@@ -116,9 +114,7 @@ def _score(text: str, scripts: str, wanted: tuple[str, ...]) -> float:
         return score
     runs = re.findall(r"[^\x00-\x7f]+", text)
     whole = all(len(run) > 1 and all(_of(mark, scripts) for mark in run) for run in runs)
-    return score + (
-        0.5 if whole and not re.search(r"[A-Za-z][^\x00-\x7f]|[^\x00-\x7f][A-Za-z]", text) else -1.0
-    )
+    return score + (0.5 if whole and not re.search(r"[A-Za-z][^\x00-\x7f]|[^\x00-\x7f][A-Za-z]", text) else -1.0)
 
 
 def _of(mark: str, scripts: str) -> bool:

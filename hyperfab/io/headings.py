@@ -100,11 +100,7 @@ def meaning(head: Heading) -> Meaning | None:
         return behind and replace(behind, rank=2)
     found = [replace(one, name=name) for one in found if (name := measured(one.name, head.title))]
     fitting = [one for one in (in_unit(one, head.unit) for one in found) if one is not None]
-    exact = [
-        one
-        for one in fitting
-        if head.unit is None or one.name not in KIND or is_of(head.unit, KIND[one.name])
-    ]
+    exact = [one for one in fitting if head.unit is None or one.name not in KIND or is_of(head.unit, KIND[one.name])]
     if not fitting:
         return None
     letter = label.removesuffix(match[2]).strip() if axis and match else label

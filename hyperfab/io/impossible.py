@@ -36,9 +36,7 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
 
     held = found.stretch2 is not None or found.time_s is not None  # a strip test across, a relaxation
     if len(stretch) > 1 and np.ptp(stretch) == 0.0 and not held:
-        raise refuse(
-            0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row"
-        )
+        raise refuse(0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row")
     peak = float(np.abs(stress).max())
     # A pull may begin with slack; what is nowhere longer than at rest was not pulled.
     below = 0.9 if stretch.max() > 1.001 else max(0.9, 0.5 * (1.0 + float(stretch.min())))
@@ -56,9 +54,7 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         elif push is not None and pull is not None:
             signed = pull.name not in ("stretch", "length")  # none of these is below nothing
             for turned, where in [(pull, "it was pulled")] * signed + [(push, "pushing counts as positive")]:
-                flip = sheet.option(
-                    [(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")]
-                )
+                flip = sheet.option([(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")])
                 remedy += f" where {where}, say {flip};" if turned is pull or not is_pulled(sheet) else ""
             remedy = remedy.rstrip(";")
         raise refuse(
@@ -67,19 +63,11 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
             remedy,
         )
     pull = columns.first(STRETCHES)
-    if (
-        pull is not None
-        and pull.name == "strain"
-        and sheet.layout.choice(pull.heading, sheet.headings) is None
-    ):
+    if pull is not None and pull.name == "strain" and sheet.layout.choice(pull.heading, sheet.headings) is None:
         rest = int(np.abs(stress).argmin())
         # No strain is one at rest, and none carries less the larger it is: both are stretches, the latter of a push.
         pushed = stretch.max() - 0.02 < stretch[rest] > stretch.min() + 0.02
-        if (
-            abs(stretch[rest] - 2.0) < 0.02
-            and (pushed or abs(stress[rest]) <= 0.02 * peak)
-            and stretch.min() > 1.2
-        ):
+        if abs(stretch[rest] - 2.0) < 0.02 and (pushed or abs(stress[rest]) <= 0.02 * peak) and stretch.min() > 1.2:
             title = pull.heading.title
             raise refuse(
                 rest,
@@ -91,11 +79,7 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         back = np.flatnonzero(np.diff(found.time_s) < 0.0)
         if back.size and found.cycle is None and found.branch is None and found.rate_1_s is None:
             column = columns.columns.get("time")
-            drop = (
-                ""
-                if column is None
-                else f"; without the times: {sheet.option([(column.heading.title, 'aside')])}"
-            )
+            drop = "" if column is None else f"; without the times: {sheet.option([(column.heading.title, 'aside')])}"
             raise refuse(
                 int(back[0]) + 1,
                 f"the time goes back from {found.time_s[back[0]]:g} s to {found.time_s[back[0] + 1]:g} s",
@@ -107,6 +91,4 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         raise refuse(row, f"no fabric reaches a stretch of {stretch[row]:g}", "check the unit of the column")
     if peak > 0.0 and not PEAK_STRESS[0] < peak < PEAK_STRESS[1]:
         row = int(np.abs(stress).argmax())
-        raise refuse(
-            row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column"
-        )
+        raise refuse(row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column")

@@ -56,9 +56,7 @@ def load_json(data: bytes, name: str) -> Any:
         raise InputError("is empty", file=name, remedy="a JSON document is expected")
     _check_depth(text, name)
     try:
-        value = json.loads(
-            text, object_pairs_hook=_pairs, parse_float=_float, parse_int=_int, parse_constant=_constant
-        )
+        value = json.loads(text, object_pairs_hook=_pairs, parse_float=_float, parse_int=_int, parse_constant=_constant)
         if "\\u" in text:
             _check_surrogates(value)
     except _Refused as error:
@@ -166,9 +164,7 @@ def _located(error: _Refused, text: str, name: str) -> InputError:
 
 def _walk(text: str) -> Iterator[tuple[str, int, str]]:
     """Yield (key path, offset, token) of every scalar, and token "duplicate" at a key that stands twice."""
-    stack: list[
-        tuple[set[str] | None, list[str | int]]
-    ] = []  # (keys of an object or None for a list, [current])
+    stack: list[tuple[set[str] | None, list[str | int]]] = []  # (keys of an object or None for a list, [current])
     expect_key = False
     for match in _TOKENS.finditer(text):
         token = match[0]

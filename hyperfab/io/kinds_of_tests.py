@@ -52,9 +52,7 @@ def _declared(test: str | None, name: str) -> str | None:
     folded = _LETTERS.get(folded, folded)
     found = folded if folded in TESTS else word_for(folded, "TESTS")
     if found is None:
-        raise InputError(
-            f"{test[:40]} is no test", file=name, key="test", remedy=f"one of {', '.join(TESTS)}"
-        )
+        raise InputError(f"{test[:40]} is no test", file=name, key="test", remedy=f"one of {', '.join(TESTS)}")
     return "uniaxial" if found == "compression" else found
 
 

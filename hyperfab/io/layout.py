@@ -32,9 +32,7 @@ class Choice:
     @property
     def entry(self) -> tuple[str, str]:
         """The entry as it is typed: title, and name with sign and unit."""
-        return self.title, f"{'-' if self.minus else ''}{self.name}" + (
-            f" [{self.unit}]" if self.unit else ""
-        )
+        return self.title, f"{'-' if self.minus else ''}{self.name}" + (f" [{self.unit}]" if self.unit else "")
 
     @property
     def is_number(self) -> bool:

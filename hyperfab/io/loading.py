@@ -63,9 +63,7 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
     sheet, notes = specimen.sheet, list[str]()
     down = counts_down(sheet, roles, specimen.decimal) if pressed == "pulled" else None
     if down is not None:
-        notes.append(
-            f"a pull: {' and '.join(one.heading.title for one in down)} count down and are turned round"
-        )
+        notes.append(f"a pull: {' and '.join(one.heading.title for one in down)} count down and are turned round")
     reader = _Reader(specimen, roles, test, pressed == "yes", down is not None, notes)
     stretch = reader.stretch("")
     if stretch is None and test == "simple-shear":
@@ -87,9 +85,7 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
     second = roles.first(STRESSES, " 2")
     if second is not None and stretch2 is None and not test.startswith("biaxial"):
         first = roles.first(STRESSES)
-        raise sheet.two(
-            [one.heading for one in (first, second) if one is not None], second.name.removesuffix(" 2")
-        )
+        raise sheet.two([one.heading for one in (first, second) if one is not None], second.name.removesuffix(" 2"))
     stress2, membrane2, _ = reader.stress(" 2", stretch2)
     if stress2 is not None and membrane2 != membrane:
         raise sheet.wrong(
@@ -104,9 +100,7 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
         refuse_either_way(sheet, reader.used, stretch, stress)
     stretch, stress = of_mechanics(test, pressed, roles.first(("force",)), stretch, stress, notes)
     mode = "biaxial-general" if test == "biaxial" and stretch2 is not None and stress2 is not None else test
-    curve = TestCurve(
-        mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane
-    )
+    curve = TestCurve(mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane)
     return Loading(curve, tuple(notes), tuple(reader.used))
 
 
@@ -235,9 +229,7 @@ class _Reader:
         if name == "length":
             if length is None:
                 length = float(values[0])
-                self.notes.append(
-                    f"{head.title} is the length; its first, {length:g} mm, is taken as the gauge length"
-                )
+                self.notes.append(f"{head.title} is the length; its first, {length:g} mm, is taken as the gauge length")
             return values / length
         if length is None:
             self.specimen.refuse_untaken("gauge length", "grip distance")
@@ -245,9 +237,7 @@ class _Reader:
                 "needs the gauge length to become a stretch",
                 file=self.sheet.name,
                 column=head.title,
-                remedy=perhaps_gauge_length(
-                    self.sheet, self.specimen.decimal, self.pressed or column.compressive
-                ),
+                remedy=perhaps_gauge_length(self.sheet, self.specimen.decimal, self.pressed or column.compressive),
             )
         values = self._signed(values, column)
         if sizes.gauge_length is None and axis and sizes.diameter is None:
@@ -270,16 +260,12 @@ class _Reader:
         self.used.append(column)
         name, head = column.name.removesuffix(" 2"), column.heading
         if head.unit is None:
-            raise no_unit(
-                self.sheet, column, self.roles, f"{head.title} [{'N' if name == 'force' else 'MPa'}]"
-            )
+            raise no_unit(self.sheet, column, self.roles, f"{head.title} [{'N' if name == 'force' else 'MPa'}]")
         deviation = self.roles.columns.get("stress sd") if not place else None
         kind, per_width = ("membrane-stress", True) if name == "membrane stress" else ("stress", False)
         found = self._signed(self._values(column, "force" if name == "force" else kind, name), column)
         if name == "force":
-            pressed = (
-                self.pressed or column.compressive or (stretch is not None and farthest(stretch, 1.0) < 1.0)
-            )
+            pressed = self.pressed or column.compressive or (stretch is not None and farthest(stretch, 1.0) < 1.0)
             over, per_width = self.specimen.over(self.test, head.title, pressed, self._axis(column))
             found = found / over
             if per_width and self.specimen.sizes.width is None and self.specimen.sizes.diameter is None:
@@ -298,9 +284,7 @@ class _Reader:
                 )
         if name == "true stress" and self.test != "volumetric":
             if stretch is None:
-                raise missing(
-                    self.sheet, self.roles, f"the stretch that belongs to {head.title}", f'"stretch{place}"'
-                )
+                raise missing(self.sheet, self.roles, f"the stretch that belongs to {head.title}", f'"stretch{place}"')
             found, sd = found / stretch, None if sd is None else sd / stretch
             self.notes.append("true stress taken as nominal stress times the stretch (no change of volume)")
         if per_width and thickness is None:

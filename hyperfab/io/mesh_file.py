@@ -54,9 +54,7 @@ def read_mesh_file(data: bytes, name: str) -> MeshFile:
     points[:, : found.points.shape[1]] = found.points[:, :3]
     edges = _edges(found.cells)
     if not len(edges):
-        raise InputError(
-            "has neither faces nor lines", file=name, remedy="a flat surface or a closed line is meant"
-        )
+        raise InputError("has neither faces nor lines", file=name, remedy="a flat surface or a closed line is meant")
     if not np.isfinite(points).all():
         raise InputError("has a point that is not finite", file=name, remedy="export it again")
     return MeshFile(points, edges)

@@ -108,11 +108,7 @@ def surest(names: Iterable[str]) -> Named | None:
 
 @cache
 def _phrases() -> dict[tuple[str, ...], str]:
-    return {
-        tuple(phrase.split()): name
-        for name, phrases in heading_words.TESTS.items()
-        for phrase in words(phrases)
-    }
+    return {tuple(phrase.split()): name for name, phrases in heading_words.TESTS.items() for phrase in words(phrases)}
 
 
 def _runs(text: str) -> tuple[list[_Run], bool]:

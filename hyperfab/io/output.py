@@ -38,9 +38,7 @@ class Output:
     def __init__(self, target: str, suffixes: Sequence[str] = ()) -> None:
         if target not in ("-", os.devnull):
             if os.path.exists(target) and not os.path.isfile(target) and not os.path.isdir(target):
-                raise UsageError(
-                    f"--output {target}: is a device and takes no files; write - for standard output"
-                )
+                raise UsageError(f"--output {target}: is a device and takes no files; write - for standard output")
             if not Path(target).suffix and not os.path.isdir(target):
                 target += ".json"
         self.target = target
@@ -120,9 +118,7 @@ class Output:
 
     def _refuse(self, path: Path, inputs: Inputs) -> None:
         if is_input(path, inputs):
-            raise UsageError(
-                f"--output {self.target}: {path} is an input of this command; choose another name"
-            )
+            raise UsageError(f"--output {self.target}: {path} is an input of this command; choose another name")
 
     def _written_earlier(self, kind: object) -> set[Path]:
         """Return the siblings that the document of this kind lists which is about to be replaced.
@@ -133,11 +129,7 @@ class Output:
             found = json.loads(Path(self.target).read_bytes())
         except (OSError, ValueError, RecursionError):
             return set()
-        if (
-            not isinstance(found, dict)
-            or found.get("format") != kind
-            or not isinstance(found.get("files"), list)
-        ):
+        if not isinstance(found, dict) or found.get("format") != kind or not isinstance(found.get("files"), list):
             return set()
         target = Path(self.target)
         return {

@@ -57,9 +57,7 @@ def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
     entries = proposed(sheet, found)
     settles = f", or say what they are, as in {sheet.option(entries)}" if entries else ""
-    return sheet.wrong(
-        f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}"
-    )
+    return sheet.wrong(f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}")
 
 
 def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
@@ -69,11 +67,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for name, column in found.columns.items():
         unit = column.heading.unit or _likely_unit(sheet, column)
         have.add(name)
-        if (
-            column.heading.unit is None
-            and name.removesuffix(" 2") in _USUAL
-            and not unread_unit(column.heading)
-        ):
+        if column.heading.unit is None and name.removesuffix(" 2") in _USUAL and not unread_unit(column.heading):
             entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
     numeric = [
         one for one in sheet.headings
@@ -155,9 +149,7 @@ def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") ->
 
 def _likely_unit(sheet: CsvSheet, column: Column) -> str:
     if column.name in ("temperature", "chamber"):
-        cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(
-            ",", "."
-        )
+        cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(",", ".")
         return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
     name = column.name.removesuffix(" 2")
     if name == "strain":  # per cent, or a share: by its size
@@ -172,9 +164,7 @@ def understood(sheet: CsvSheet, taken: Iterable[Column]) -> str:
     """
     columns = {column.heading.index: column for column in taken}
     told = [
-        one.heading.title
-        if _is_plain(one)
-        else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
+        one.heading.title if _is_plain(one) else f"{one.heading.title or f'column {index + 1}'} is {_what(one)}"
         for index, one in sorted(columns.items())
     ]
     return f"head in line {sheet.header_line}: {', '.join(told)}"

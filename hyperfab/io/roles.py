@@ -181,9 +181,7 @@ def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]]
         if not found.get("true strain"):
             title, unit = one.heading.title, one.heading.unit or "MPa"
             options = (sheet.option([(title, f"{name} [{unit}]")]) for name in ("true stress", "stress"))
-            raise sheet.wrong(
-                f"{title} is a true stress, or a tensile one", remedy=f"say {' or '.join(options)}"
-            )
+            raise sheet.wrong(f"{title} is a true stress, or a tensile one", remedy=f"say {' or '.join(options)}")
         found["stress"].remove((rank, one))
         found.setdefault("true stress", []).append((rank, replace(one, name="true stress")))
 
@@ -195,9 +193,7 @@ def _ends_in_t(column: Column, *symbols: str) -> bool:
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
     """Set columns aside that a machine leaves without any reading where another tells the same kind of thing."""
     for names in (STRETCHES, STRESSES):
-        same = [
-            (key, one) for key, ones in found.items() if re.sub(" [2xy]$", "", key) in names for one in ones
-        ]
+        same = [(key, one) for key, ones in found.items() if re.sub(" [2xy]$", "", key) in names for one in ones]
         read = [one for _, one in same if any(map(is_number, sheet.columns[one[1].heading.index]))]
         for name, one in same if read else ():
             if one not in read and one[0] >= 0:
@@ -209,9 +205,7 @@ def _still_out(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], asid
     """Set columns of a strain aside that stand still in every row while another column of that name moves."""
     names = [name for name in found if name.split(" ")[0] in ("strain", "stretch", "extension")]
     for base in ("strain", "stretch", "extension"):
-        same = [
-            (name, one) for name in names if name in (base, f"{base} x", f"{base} y") for one in found[name]
-        ]
+        same = [(name, one) for name in names if name in (base, f"{base} x", f"{base} y") for one in found[name]]
         moving = [one for _, one in same if len(set(sheet.columns[one[1].heading.index])) > 1]
         if not moving or len(moving) == len(same):
             continue
@@ -257,17 +251,14 @@ def _axes(sheet: CsvSheet, columns: dict[str, Column]) -> dict[str, Column]:
 def _pulled(sheet: CsvSheet, columns: dict[str, Column]) -> str:
     """Refuse to guess which of two strains is the loading direction, with the likelier one filled in."""
     pair = [
-        (name[-1], column)
-        for name, column in columns.items()
-        if name.endswith((" x", " y")) and name[:-2] in STRETCHES
+        (name[-1], column) for name, column in columns.items() if name.endswith((" x", " y")) and name[:-2] in STRETCHES
     ]
     sizes = {}
     for axis, column in pair:
         sizes[axis] = max(plain_values(sheet.columns[column.heading.index]), key=abs, default=0.0)
     first = max(sizes, key=lambda axis: sizes[axis])
     entries = [
-        (column.heading.title, column.name[:-2] if axis == first else f"{column.name[:-2]} 2")
-        for axis, column in pair
+        (column.heading.title, column.name[:-2] if axis == first else f"{column.name[:-2]} 2") for axis, column in pair
     ]
     raise sheet.wrong(
         f"{pair[0][1].heading.title} or {pair[1][1].heading.title}: which is along the pull?",

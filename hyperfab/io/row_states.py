@@ -59,9 +59,7 @@ def _in_name(name: str) -> str | None:
     found = {
         told
         for word, after in pairwise([*plain(name).split(), ""])
-        if word not in _UNSURE
-        and not after.startswith(("knit", "wirk"))
-        and (told := word_for(word, "DIRECTIONS"))
+        if word not in _UNSURE and not after.startswith(("knit", "wirk")) and (told := word_for(word, "DIRECTIONS"))
     }
     return found.pop() if len(found) == 1 else None
 

@@ -116,11 +116,7 @@ def uniform(lines: Sequence[str], separator: str, width: int) -> list[list[str]]
         return None
     if separator == " ":
         rows = [line.split() for line in lines]
-        return (
-            [list(cells) for cells in zip(*rows, strict=True)]
-            if {len(row) for row in rows} == {width}
-            else None
-        )
+        return [list(cells) for cells in zip(*rows, strict=True)] if {len(row) for row in rows} == {width} else None
     if text.count(separator) != (width - 1) * len(lines):
         return None
     if width > 1 and any(line.count(separator) != width - 1 for line in lines):

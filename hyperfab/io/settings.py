@@ -67,11 +67,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if is_test(key := taken[0]) and setting(key) is None:  # Tensile test: warp-knitted fabric
                 found.setdefault("test", []).append(Entry(key, line, sure=False))
             key, value, unit, place = taken
-            text = (
-                value
-                if unit is None or not value or unit_of(value.lstrip("+-0123456789., "))
-                else f"{value} {unit}"
-            )
+            text = value if unit is None or not value or unit_of(value.lstrip("+-0123456789., ")) else f"{value} {unit}"
             name, entry = entry_of(key, text, line)
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
                 found.setdefault(name, []).append(entry)

@@ -36,9 +36,7 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     """
     if (titled := _under_titles(sheet, one_axis)) is not None:
         return titled
-    chosen = {
-        head.index: one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings))
-    }
+    chosen = {head.index: one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings))}
     if any(one.name.endswith(" 2") or one.is_number for one in chosen.values()):
         return [sheet]
     own = [heading(one.title, one.index) if one.index in chosen else one for one in sheet.headings]
@@ -46,17 +44,13 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     if chosen:
         sheet = replace(sheet, layout=_for_all_alike(sheet.layout, groups, chosen))
         groups = {key: _as_chosen(sheet.layout, heads) for key, heads in groups.items()}
-    told = {
-        key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()
-    }
+    told = {key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()}
     if chosen:  # whose readings the command line sets aside is no specimen
         groups = {key: heads for key, heads in groups.items() if told[key] & set(STRESSES)}
     if len(groups) < 2 or not all(told[key] & set(STRESSES) for key in groups):
         return [sheet]
     shared = [one for one in sheet.headings if one.index in {head.index for head in shared}]
-    if not all(told[key] & set(STRETCHES) for key in groups) and not fits(
-        [*shared, *next(iter(groups.values()))]
-    ):
+    if not all(told[key] & set(STRETCHES) for key in groups) and not fits([*shared, *next(iter(groups.values()))]):
         return [sheet]
     found = []
     for key, heads in groups.items():
@@ -90,9 +84,7 @@ def _grouped(
             seen[title] = seen.get(title, 0) + 1
             groups.setdefault(str(seen[title]), []).append(head)
         elif copy and copy[1] in {one.title for one in heads}:
-            groups.setdefault(str(int(copy[2]) + 1), []).append(
-                replace(heading(copy[1], head.index), title=head.title)
-            )
+            groups.setdefault(str(int(copy[2]) + 1), []).append(replace(heading(copy[1], head.index), title=head.title))
         elif head.title in copies:
             groups.setdefault("1", []).append(head)
         else:
@@ -104,9 +96,7 @@ def _grouped(
     return {label.key: own for label, own in labelled.items()}, shared, stated
 
 
-def _for_all_alike(
-    layout: Layout, groups: Mapping[str, Sequence[Heading]], chosen: Mapping[int, Choice]
-) -> Layout:
+def _for_all_alike(layout: Layout, groups: Mapping[str, Sequence[Heading]], chosen: Mapping[int, Choice]) -> Layout:
     """Return what the command line says with that for the columns alike of the other specimens.
 
     Alike are what titles say beside the specimen; a column whose title is its own may be set aside alone.

@@ -133,9 +133,7 @@ class Specimen:
         if abs(area - sizes.width * across) <= AREA * area:
             return area if name != "thickness" else None
         one, two = stated(self.sheet, "area"), stated(self.sheet, name)
-        options = (
-            f"--width {sizes.width:g}mm --thickness {across:g}mm, or for the area --width {sizes.width:g}mm "
-        )
+        options = f"--width {sizes.width:g}mm --thickness {across:g}mm, or for the area --width {sizes.width:g}mm "
         raise InputError(
             f"states an area of {area:g} mm^2, and a width and {name} of {sizes.width * across:g} mm^2",
             file=self.sheet.name,
@@ -148,9 +146,7 @@ class Specimen:
     def _no_area(self, width: float) -> InputError:
         """Return the error that of a block that is pressed the section is not known."""
         thickness = self.sizes.thickness
-        section = (
-            f"if it is width times thickness, give --width {width:g}mm --thickness {thickness or 0.0:g}mm; "
-        )
+        section = f"if it is width times thickness, give --width {width:g}mm --thickness {thickness or 0.0:g}mm; "
         return InputError(
             "needs the area that is pressed" + (": the thickness may be the height" if thickness else ""),
             file=self.sheet.name,

@@ -26,9 +26,7 @@ def stated(sheet: CsvSheet, key: str, axis: str = "") -> Entry | None:
     return entries[0] if len({entry.value for entry in entries}) == 1 else None
 
 
-def amount(
-    sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str], axis: str = ""
-) -> float | None:
+def amount(sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str], axis: str = "") -> float | None:
     """Return a stated quantity in the unit of its ``kind``, or None; ``notes`` tells what was not taken and why.
 
     InputError where a line of the contract's own form, ``# key: value``, cannot be read.
@@ -47,9 +45,7 @@ def amount(
         return quantity(dotted(entry.value, decimal), kind)
     except InputError as error:
         if entry.sure:
-            raise InputError(
-                error.message, file=sheet.name, line=entry.line, key=key, remedy=error.remedy
-            ) from None
+            raise InputError(error.message, file=sheet.name, line=entry.line, key=key, remedy=error.remedy) from None
         notes.append(
             f"{key}, line {entry.line}: {entry.value[:40]} is not taken "
             f"({error.message.partition(': ')[2] or error.message})"

@@ -76,14 +76,10 @@ def read_stl(data: bytes, name: str, unit: str = "mm") -> SurfaceMesh:
     whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
     facets = len(faces)
     if not whole.any():
-        raise InputError(
-            f"has {facets} facets, and none has an area", file=name, remedy="export the surface again"
-        )
+        raise InputError(f"has {facets} facets, and none has an area", file=name, remedy="export the surface again")
     if not whole.all():
         collapsed = facets - int(whole.sum())
-        questions.append(
-            f"{name}: {collapsed} of {facets} facets have two corners in one place and were left out"
-        )
+        questions.append(f"{name}: {collapsed} of {facets} facets have two corners in one place and were left out")
     vertices = vertices.astype(np.float64) * float(factor)
     questions += _size_questions(vertices, name, unit)
     return SurfaceMesh(vertices, faces[whole], facets, np.flatnonzero(whole), tuple(questions))
@@ -125,9 +121,7 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
             facet=room + 1,
             remedy="the file is truncated or no STL; export or copy it again",
         )
-    return _binary(data, claimed, name), [
-        f"{name}: {len(data) - size} bytes behind the last facet were ignored"
-    ]
+    return _binary(data, claimed, name), [f"{name}: {len(data) - size} bytes behind the last facet were ignored"]
 
 
 def _binary(data: bytes, count: int, name: str) -> NDArray[np.float32]:
@@ -159,9 +153,7 @@ def _ascii(data: bytes, name: str) -> NDArray[np.float64]:
                 _check_count(len(found), name)
         stop = _ENDSOLID.match(data, place)
         if stop is None:
-            what = (
-                "the file ends in the middle" if place >= end else f"facet {len(found) + 1} is not complete"
-            )
+            what = "the file ends in the middle" if place >= end else f"facet {len(found) + 1} is not complete"
             raise _bad_text(f"{what}: neither a whole facet nor endsolid", data, place, name)
         place = stop.end()
     _check_count(len(found), name)
@@ -187,9 +179,7 @@ def _is_float(token: bytes) -> bool:
 def _bad_text(message: str, data: bytes, place: int, name: str) -> InputError:
     place += len(data[place : place + 4096]) - len(data[place : place + 4096].lstrip())
     line = data.count(b"\n", 0, place) + 1
-    return InputError(
-        message, file=name, line=line, remedy="the file is truncated or damaged; export it again"
-    )
+    return InputError(message, file=name, line=line, remedy="the file is truncated or damaged; export it again")
 
 
 def _check_finite(corners: NDArray, name: str) -> None:
@@ -230,6 +220,4 @@ def _size_questions(vertices: NDArray[np.float64], name: str, unit: str) -> list
     if SIZE_RANGE[0] <= extent.max() <= SIZE_RANGE[1]:
         return []
     sides = " x ".join(f"{side:.3g}" for side in extent)
-    return [
-        f"{name}: measures {sides} mm when read in {unit}; if that is not so, say --stl-unit (mm, cm, m, inch)"
-    ]
+    return [f"{name}: measures {sides} mm when read in {unit}; if that is not so, say --stl-unit (mm, cm, m, inch)"]

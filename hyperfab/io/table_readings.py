@@ -56,9 +56,7 @@ def _stated_beside(block: Block) -> None:
     """Take words and values to the right of the readings, each told once, for what the file states."""
     known = [one.index for one in block.headings if meaning(suffixed(one)) not in (None, Meaning("aside"))]
     rows = [*block.head, *block.rows]
-    for place in range(
-        max(known, default=MAX_COLUMNS) + 1, max((len(cells) for _, cells in rows), default=0)
-    ):
+    for place in range(max(known, default=MAX_COLUMNS) + 1, max((len(cells) for _, cells in rows), default=0)):
         words = [cell for _, cells in rows for cell in cells[place : place + 1] if cell]
         if len(words) > _STATED or any(map(is_number, words)):
             continue
@@ -106,9 +104,7 @@ def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
     """Judge words between readings: nothing may be lost there that nobody understands."""
     for line, cells in waiting:
         titles = [one.title for one in block.headings]
-        if [plain(cell) for cell in cells[: len(titles)]] == [plain(title) for title in titles] or is_units(
-            cells
-        ):
+        if [plain(cell) for cell in cells[: len(titles)]] == [plain(title) for title in titles] or is_units(cells):
             block.left_out["head repeated"] += 1
             continue
         cell = next(cell for cell in cells if cell)
@@ -129,9 +125,7 @@ def _reads(cells: Sequence[str], heads: Sequence[Heading], named: bool) -> bool:
     return named or not is_closing(next(cell for cell in cells if cell))
 
 
-def _fitted(
-    cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str
-) -> list[str]:
+def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str) -> list[str]:
     """Return a row as wide as the head; InputError where cells lack or are too many."""
     if len(cells) == width:
         return cells

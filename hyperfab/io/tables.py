@@ -23,9 +23,9 @@ from hyperfab.io.units import is_unit
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
 
-_BLANK_UNITS = frozenset(
-    ("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")
-) | words("unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade")
+_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")) | words(
+    "unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade"
+)
 #: How a unit that is none of ours may be written: V, Ohm, l/min, counts/s.
 _FOREIGN = re.compile(r"[^\W\d_]{1,3}|\w{1,6}(?:[./*]\w{1,4})+")
 #: What stands above one table of several is that one's own.
@@ -105,9 +105,7 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     data = [is_data(cells, k in named) for k, (_, cells) in enumerate(rows)]
     amounts = [not one and _is_amounts(cells) for one, (_, cells) in zip(data, rows, strict=True)]
     # Row after row: titles, as 10 mm/min over one specimen and 20 mm/min over the next, stand in one.
-    data = [
-        one or (amounts[k] and any(amounts[k - 1 : k] + amounts[k + 1 : k + 2])) for k, one in enumerate(data)
-    ]
+    data = [one or (amounts[k] and any(amounts[k - 1 : k] + amounts[k + 1 : k + 2])) for k, one in enumerate(data)]
     starts = [k for k in range(len(rows)) if data[k] and (k == 0 or not data[k - 1])]
     found: list[Block] = []
     heads: list[tuple[int, int]] = []  # first row of the head, first row of data
@@ -127,9 +125,7 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
             block.over = above[-1]
         end = heads[number + 1][0] if number + 1 < len(heads) else len(rows)
         while (
-            number + 1 < len(heads)
-            and not data[end - 1]
-            and not is_closing(next(filter(None, rows[end - 1][1]), ""))
+            number + 1 < len(heads) and not data[end - 1] and not is_closing(next(filter(None, rows[end - 1][1]), ""))
         ):
             end -= 1  # what stands above the next head belongs to it
         block.rows = list(rows[start:end])
@@ -218,14 +214,11 @@ def headings(titles: Sequence[str], layout: Layout) -> tuple[Heading, ...]:
     while trimmed and not titles[trimmed - 1]:
         trimmed -= 1
     cleaned = [
-        re.sub(r"^(?:%|//|!|\*|#)\s*", "", title) if k == 0 else title
-        for k, title in enumerate(titles[:trimmed])
+        re.sub(r"^(?:%|//|!|\*|#)\s*", "", title) if k == 0 else title for k, title in enumerate(titles[:trimmed])
     ]
     made = [heading(title, index) for index, title in enumerate(cleaned)]
     chosen = [layout.choice(one, made) for one in made] if layout.columns else [None] * len(made)
-    return tuple(
-        one if choice is None else named(choice, one) for one, choice in zip(made, chosen, strict=True)
-    )
+    return tuple(one if choice is None else named(choice, one) for one, choice in zip(made, chosen, strict=True))
 
 
 def is_units(cells: Sequence[str]) -> bool:
@@ -234,17 +227,13 @@ def is_units(cells: Sequence[str]) -> bool:
     A channel beside them may be in a unit that is none of ours, a word no column is called.
     """
     bare = [cell.strip("[](){}<> ") for cell in cells]
-    if any(is_number(cell) for cell in bare) and not any(
-        unit_of(cell) for cell in bare if not is_number(cell)
-    ):
+    if any(is_number(cell) for cell in bare) and not any(unit_of(cell) for cell in bare if not is_number(cell)):
         return False
     if any(is_number(cell) and cell != "1" for cell in bare):
         return False
     units = [unit_of(cell) for cell in bare]
     real = sum(
-        1
-        for cell, unit in zip(bare, units, strict=True)
-        if unit is not None and cell.casefold() not in _BLANK_UNITS
+        1 for cell, unit in zip(bare, units, strict=True) if unit is not None and cell.casefold() not in _BLANK_UNITS
     )
     odd = [
         cell for cell, unit, whole in zip(bare, units, cells, strict=True)
@@ -256,9 +245,7 @@ def is_units(cells: Sequence[str]) -> bool:
     )
 
 
-def with_units(
-    heads: Sequence[Heading], cells: Sequence[str], line: int = 0, name: str = ""
-) -> tuple[Heading, ...]:
+def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0, name: str = "") -> tuple[Heading, ...]:
     """Return headings with the units of a row of their own; where it gainsays the head both stand, to be refused.
 
     InputError at once where the file's ``name`` is given.

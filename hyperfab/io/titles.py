@@ -110,9 +110,7 @@ def unread_unit(head: Heading) -> str | None:
     if head.unit is not None:
         return None if is_unit(head.unit) else head.unit
     tail = _TAIL.search(head.title)
-    inner = (
-        [part.strip("[](){}<> ") for part in re.findall(r"[\[({<][^\[\](){}<>]*", tail[0])] if tail else []
-    )
+    inner = [part.strip("[](){}<> ") for part in re.findall(r"[\[({<][^\[\](){}<>]*", tail[0])] if tail else []
     return next((part for part in inner if not _is_remark(part)), None)
 
 

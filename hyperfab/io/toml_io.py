@@ -59,9 +59,7 @@ statement (character 14); quantities stand in quotes: "60 mm"
             remedy="correct it",
         ) from None
     except RecursionError:
-        raise InputError(
-            f"is nested deeper than {MAX_DEPTH} levels", file=name, remedy="no document is"
-        ) from None
+        raise InputError(f"is nested deeper than {MAX_DEPTH} levels", file=name, remedy="no document is") from None
     except ValueError as error:  # dates that are none, integers of thousands of digits
         raise InputError(f"is not valid TOML: {error}", file=name, remedy="correct the value") from None
     _check_values(value, name)
@@ -123,9 +121,7 @@ def _syntax_error(error: tomllib.TOMLDecodeError, name: str) -> InputError:
     message = message[:1].lower() + message[1:]
     hint = 'quantities stand in quotes: "60 mm"' if "after a statement" in message else "correct the line"
     if place is None:
-        return InputError(
-            f"is not valid TOML: {message} (at its end)", file=name, remedy="is the file whole?"
-        )
+        return InputError(f"is not valid TOML: {message} (at its end)", file=name, remedy="is the file whole?")
     return InputError(
         f"is not valid TOML: {message} (character {place[2]})", file=name, line=int(place[1]), remedy=hint
     )

@@ -113,9 +113,7 @@ _PLAIN: dict[str, tuple[Fraction, Dimension]] = {
 }  # fmt: skip
 #: Scales with a zero of their own: factor and zero point [K]. In products and as a difference only the factor counts.
 _SCALES: dict[str, tuple[Fraction, Fraction]] = {
-    **dict.fromkeys(
-        ("degC", "°C", "celsius", "Celsius", "℃", "C", "deg C", "° C"), (Fraction(1), Fraction("273.15"))
-    ),
+    **dict.fromkeys(("degC", "°C", "celsius", "Celsius", "℃", "C", "deg C", "° C"), (Fraction(1), Fraction("273.15"))),
     **dict.fromkeys(
         ("degF", "°F", "fahrenheit", "Fahrenheit", "℉", "F", "deg F", "° F"),
         (Fraction(5, 9), Fraction("459.67") * 5 / 9),
@@ -126,9 +124,7 @@ _DIFFERENCES = {"delta_degC": "degC", "delta_degF": "degF", "ΔK": "K", "delta_K
 _MAX_LENGTH = 40
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
 _SUPERSCRIPT_RUN = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
-_FACTOR = re.compile(
-    r"""(1(?!\d)|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\*\*)?\(?(-?\d{1,2})\)?)?"""
-)
+_FACTOR = re.compile(r"""(1(?!\d)|[^\W\d_]+(?:_deg[CF]|_K)?|°[CF]?|[%‰"])(?:(?:\^|\*\*)?\(?(-?\d{1,2})\)?)?""")
 #: A factor before a unit or in its place, told as one: x100 N, 10^-3, 1e-3, 1/1000; and behind it: N x 10.
 #: Of x103 the exponent may have been lost: it is none.
 _SCALE = re.compile(
@@ -213,15 +209,11 @@ def _product(text: str, whole: str, start: Unit | None, sign: int = 1) -> Unit:
         if match is None:
             raise UnitError(f"{whole} is no unit; write it like MPa, W/m^2/K or 1/s")
         power = int(match[2] or 1) * operator
-        if (
-            not 0 < abs(power) <= 6
-        ):  # h0 is a symbol, a thickness at the start, and no hour to the power of nothing
+        if not 0 < abs(power) <= 6:  # h0 is a symbol, a thickness at the start, and no hour to the power of nothing
             raise UnitError(f"{whole} is no unit")
         base = _symbol(match[1], whole)
         factor *= base.factor**power
-        dimension = [
-            total + power * exponent for total, exponent in zip(dimension, base.dimension, strict=True)
-        ]
+        dimension = [total + power * exponent for total, exponent in zip(dimension, base.dimension, strict=True)]
         place = match.end()
         if place == len(text):
             break

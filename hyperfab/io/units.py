@@ -234,9 +234,7 @@ def _linear(unit: Unit, kind: Kind, text: str) -> tuple[Fraction, Fraction]:
     if unit.dimension != base.dimension:
         unit = _engineers_reading(text, unit)
     if unit.dimension != base.dimension:
-        raise UnitError(
-            f"{text or 'a number alone'} is no unit of {_noun(kind)}; write it like {kind.example}"
-        )
+        raise UnitError(f"{text or 'a number alone'} is no unit of {_noun(kind)}; write it like {kind.example}")
     factor = unit.factor / base.factor
     if not kind.offset:
         return factor, Fraction(0)
@@ -251,9 +249,7 @@ def _engineers_reading(text: str, otherwise: Unit) -> Unit:
     return parse_unit(f"{head}/({rest})")
 
 
-def _refusal(
-    message: str, text: object, option: str | None, key: str | None, file: str | None
-) -> HyperfabError:
+def _refusal(message: str, text: object, option: str | None, key: str | None, file: str | None) -> HyperfabError:
     shown = text if isinstance(text, str) else repr(text)
     shown = shown if len(shown) <= 60 else shown[:57] + "..."
     if option is not None:

@@ -71,9 +71,7 @@ def unstructured(
             meshio.vtu.write(path, mesh, binary=True, compression="zlib", header_type="UInt64")
             return path.read_bytes()
     except OSError as error:
-        raise OutputError(
-            f"the folder for temporary files: {error.strerror}; free some space in it"
-        ) from error
+        raise OutputError(f"the folder for temporary files: {error.strerror}; free some space in it") from error
 
 
 def refilled(grid: bytes, name: str, values: ArrayLike) -> bytes:

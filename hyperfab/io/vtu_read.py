@@ -95,13 +95,9 @@ def _array(element: ElementTree.Element | None) -> NDArray:
     return values if components == 1 else values.reshape(-1, components)
 
 
-def _cells(
-    connectivity: NDArray, offsets: NDArray, types: NDArray, points: int
-) -> dict[str, NDArray[np.int64]]:
+def _cells(connectivity: NDArray, offsets: NDArray, types: NDArray, points: int) -> dict[str, NDArray[np.int64]]:
     names = {number: (name, width) for name, (number, width) in CELL_TYPES.items()}
-    if len(offsets) != len(types) or (
-        connectivity.size and not 0 <= connectivity.min() <= connectivity.max() < points
-    ):
+    if len(offsets) != len(types) or (connectivity.size and not 0 <= connectivity.min() <= connectivity.max() < points):
         raise ValueError("its cells do not fit its points")
     begin = np.concatenate([[0], offsets[:-1]])
     cells = {}

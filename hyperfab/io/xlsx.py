@@ -84,9 +84,7 @@ class _Parts:
     def __init__(self, archive: zipfile.ZipFile, book: str) -> None:
         self._archive, self._book, self._left = archive, book, MAX_UNPACKED
         names = archive.namelist()
-        if any("vbaproject" in part.lower() for part in names) or b"macroEnabled" in self.read(
-            "[Content_Types].xml"
-        ):
+        if any("vbaproject" in part.lower() for part in names) or b"macroEnabled" in self.read("[Content_Types].xml"):
             raise InputError("is a workbook with macros (.xlsm)", file=book, remedy="save it as .xlsx or CSV")
         self.names = set(names)
 
@@ -126,11 +124,7 @@ def _sheets(parts: _Parts, book: str, picked: str | None) -> Iterator[tuple[str,
     _parse(parts.read("xl/_rels/workbook.xml.rels"), relation)
     strings = _strings(parts.read("xl/sharedStrings.xml")) if "xl/sharedStrings.xml" in parts.names else []
     formats = _formats(parts.read("xl/styles.xml")) if "xl/styles.xml" in parts.names else []
-    wanted = [
-        one
-        for one in titles
-        if (one[2] if picked is None else one[0].casefold() == picked.strip().casefold())
-    ]
+    wanted = [one for one in titles if (one[2] if picked is None else one[0].casefold() == picked.strip().casefold())]
     if not wanted:
         there = ", ".join(title for title, _, _ in titles[:8])
         raise InputError(

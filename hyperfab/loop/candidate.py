@@ -28,9 +28,7 @@ class Candidate:
     def found(self) -> list[Signature]:
         """What the entries that are not in the model would do to its prediction."""
         others = [
-            effect
-            for effect in self.problem.effects
-            if effect.id not in self.fit.forms and not effect.not_sought
+            effect for effect in self.problem.effects if effect.id not in self.fit.forms and not effect.not_sought
         ]
         return signatures(self.problem, self.noise, self.fit, others)
 

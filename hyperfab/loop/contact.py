@@ -260,9 +260,7 @@ def contact_problem(
     for one in files:
         count = max(1, min(4, len(one.depth) // _SEGMENT))
         for part in np.array_split(np.arange(len(one.depth)), count):
-            curves.append(
-                Curve(one.name, row + int(part[0]), row + int(part[-1]) + 1, one.depth[part], setup="")
-            )
+            curves.append(Curve(one.name, row + int(part[0]), row + int(part[-1]) + 1, one.depth[part], setup=""))
         row += len(one.depth)
     curves.append(known_curve(priors, row, 1))
     known_T = [one.temperature for one in files if one.temperature is not None]

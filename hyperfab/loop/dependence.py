@@ -78,9 +78,7 @@ def period(residual: Array, time: Array) -> tuple[float, float] | None:
     return (span / float(turns), carried) if carried > 0.5 else None
 
 
-def suggestion(
-    residual: Array, sd: Array, states: Mapping[str, Array], reach: int = 3
-) -> tuple[str, float] | None:
+def suggestion(residual: Array, sd: Array, states: Mapping[str, Array], reach: int = 3) -> tuple[str, float] | None:
     """Return a sparse formula for the raw residual in products of state variables, and the share it takes.
 
     Orthogonal matching pursuit over products of up to two scaled state variables; a product stays where it pays in BIC.

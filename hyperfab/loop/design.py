@@ -40,9 +40,7 @@ def next_measurement(problem: Problem, noise: Noise, fits: Sequence[Fit]) -> lis
     if len(chosen) < 2:
         return []
     found = [
-        NextMeasurement(
-            extra.text, extra.details, _smallest_misfit(extra, noise, chosen, len(problem.measured))
-        )
+        NextMeasurement(extra.text, extra.details, _smallest_misfit(extra, noise, chosen, len(problem.measured)))
         for extra in problem.extras()
     ]
     return sorted(found, key=lambda one: -one.misfit)

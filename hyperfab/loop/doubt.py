@@ -28,9 +28,7 @@ def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, flo
     while best.ids and (search.noise.gain_doubt or _none_alike(search)):
         whole, _ = likeliest_scatter(search, best, best)
         worth = {
-            name: likeliest_scatter(search, search.without(best, name), best)[0]
-            - whole
-            - _of_each(best, name)
+            name: likeliest_scatter(search, search.without(best, name), best)[0] - whole - _of_each(best, name)
             for name in best.ids
         }
         weakest = min(worth, key=lambda name: worth[name])
@@ -113,9 +111,7 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
         # What nature does not allow is not what is left once specimens scatter.
         return "unexplained", 0.0
     assumed = max(noise.gain_doubt, likeliest_scatter(search, before)[1])
-    left = float(
-        np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit))
-    )
+    left = float(np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)))
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
     return ("noise", assumed) if small else ("unexplained", 0.0)

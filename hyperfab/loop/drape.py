@@ -213,11 +213,7 @@ def drape_problem(
     fixed: Sequence[str] = (),
 ) -> DrapeProblem:
     """Return the problem of marker files; each is cut into patches, whose x, y and z are left out in turn."""
-    parts = [
-        Markers(one.name, one.flat[rows], one.found[rows])
-        for one in files
-        for rows in patches(one.flat, 6, 10)
-    ]
+    parts = [Markers(one.name, one.flat[rows], one.found[rows]) for one in files for rows in patches(one.flat, 6, 10)]
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
     constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
     priors = sure(constants, fixed)

@@ -97,9 +97,7 @@ def close(
         wider = replace(level, gain_sd=gain_sd)
         return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
 
-    def finding(
-        verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]
-    ) -> Finding:
+    def finding(verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]) -> Finding:
         left = problem.measured - after.fit.predicted
         first = problem.channel == 0
         states = problem.states
@@ -249,9 +247,7 @@ def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callabl
     while len(best.ids) > (0 if before.judgement.is_small else 1):
         sure, ids = sure_of(), frozenset(best.ids)
         models = {frozenset[str](): sure.nothing} if len(ids) == 1 else sure.models
-        without = {
-            name: sum(p for fewer, p in models.items() if fewer < ids and name not in fewer) for name in ids
-        }
+        without = {name: sum(p for fewer, p in models.items() if fewer < ids and name not in fewer) for name in ids}
         weakest = max(best.ids, key=lambda name: without[name] - sure.of[name])
         if without[weakest] <= sure.of[weakest]:
             break

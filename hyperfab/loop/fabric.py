@@ -183,9 +183,7 @@ class FabricProblem(Problem):
         found = []
         for text, details, test in menu(self.tests):
             problem = self.remake([*self.tests, test])  # type: ignore[operator]
-            if np.all(np.isfinite(self.fabric.path.time_s)) == np.all(
-                np.isfinite(problem.fabric.path.time_s)
-            ):
+            if np.all(np.isfinite(self.fabric.path.time_s)) == np.all(np.isfinite(problem.fabric.path.time_s)):
                 found.append(Extra(text, details, problem))
         return found
 
@@ -220,9 +218,7 @@ def fabric_problem(
     """
     path, speed = path_of(tests)
     known = path.temperature_degC[np.isfinite(path.temperature_degC)]
-    reference = (
-        reference_degC if reference_degC is not None else (float(np.min(known)) if len(known) else 20.0)
-    )
+    reference = reference_degC if reference_degC is not None else (float(np.min(known)) if len(known) else 20.0)
     stress = np.concatenate([test.stress for test in tests])
     held = held or {}
     own = _own(law, warp, "" if weft is None else "warp ", float(np.max(np.abs(stress))), fixed, prior)
@@ -236,9 +232,7 @@ def fabric_problem(
     alike = {curve.start for pair in replicates(curves) for curve in pair}
     replicated = len(alike) > len(path.curves) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
-    effects = tuple(
-        replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context)
-    )
+    effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
     if all(test.stress_sd is not None for test in tests):
         stated = np.concatenate([test.stress_sd for test in tests] + [np.full(len(rows), np.nan)])
@@ -283,9 +277,7 @@ def _own(
     return tuple(found)
 
 
-def _best_by_law(
-    law: Law, path: Path, stress: Array, own: Sequence[Constant], sets: int
-) -> tuple[Array, ...]:
+def _best_by_law(law: Law, path: Path, stress: Array, own: Sequence[Constant], sets: int) -> tuple[Array, ...]:
     """Return the constants of ``law`` that fit all rows best, ``sets`` times (warp and weft), before the others.
 
     None for a law that is linear in its constants, whose one optimum any start finds, and of a foam, whose fit seeks it

@@ -58,9 +58,7 @@ def menu(tests: Sequence[TestCurve]) -> Iterator[tuple[str, Mapping[str, Any], T
     )
     yield one("two full cycles at a sixteenth of the rate", [*loop, *loop], slow)
     yield one("two full cycles at sixteen times the rate", [*loop, *loop], fast)
-    yield one(
-        "a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * abs(reach) / pace
-    )
+    yield one("a fast pull, a hold of the stretch, and full unloading", loop, fast, hold=10.0 * abs(reach) / pace)
     yield one("a cycle at a temperature 40 K higher", loop, pace, at=usual + 40.0)
     yield one("a cycle across the direction tested", loop, pace, along=(angle + 90.0) % 180.0)
     yield one("a cycle 45 degrees from the warp", loop, pace, along=45.0)

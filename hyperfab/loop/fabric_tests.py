@@ -29,9 +29,7 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
         parts = []
         for test in tests:
             value = getattr(test, name)
-            parts.append(
-                np.full(len(test.stretch), np.nan) if value is None else np.asarray(value, dtype=np.float64)
-            )
+            parts.append(np.full(len(test.stretch), np.nan) if value is None else np.asarray(value, dtype=np.float64))
         return np.concatenate(parts)
 
     count = [len(test.stretch) for test in tests]
@@ -70,9 +68,7 @@ def _clock(test: TestCurve) -> Array:
     return np.concatenate([[0.0], np.cumsum(step)])
 
 
-def curves_of(
-    path: Path, tests: Sequence[TestCurve], stress: Array
-) -> tuple[tuple[Curve, ...], Array, Array]:
+def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tuple[Curve, ...], Array, Array]:
     """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
     curves, rows, extra = [], [], []
     at = len(stress)
@@ -111,9 +107,7 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> NDArray[np.bo
         if curve.channel == 0:
             read = stress[curve.rows]
             apart, _ = third_differences(stress, curve)
-            noise = max(
-                MAD * float(np.median(np.abs(apart))) if len(apart) else 0.0, MACHINE * float(np.max(read))
-            )
+            noise = max(MAD * float(np.median(np.abs(apart))) if len(apart) else 0.0, MACHINE * float(np.max(read)))
             found[curve.rows] &= float(np.min(read)) > -np.sqrt(clearly()) * noise
     return found
 
@@ -133,9 +127,7 @@ def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
         same = (
             name
             for other_how, other_pace, other_way, name in found
-            if other_how == how
-            and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE)
-            and _is_same_way(way, other_way)
+            if other_how == how and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE) and _is_same_way(way, other_way)
         )
         found.append((how, pace, way, next(same, f"{how} {len(found)}")))
     return [name for *_, name in found]
@@ -196,10 +188,7 @@ def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str,
         "temperature_degC": path.temperature_degC,
         "direction_deg": path.angle_deg,
         "mode": path.mode.astype(np.float64),
-        **{
-            name: np.repeat([test.others.get(name, np.nan) for test in tests], count)
-            for name in _others(tests)
-        },
+        **{name: np.repeat([test.others.get(name, np.nan) for test in tests], count) for name in _others(tests)},
     }
 
 

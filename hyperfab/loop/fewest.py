@@ -42,9 +42,7 @@ def fewest(
     first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
     names = dict.fromkeys([*best.ids, *first, plain])
     alone = {name: state for name in names if (state := search.freed(before, [name])) is not None}
-    for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem, search.noise))[
-        :_LIKELY
-    ]:
+    for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem, search.noise))[:_LIKELY]:
         if name != plain and plain in names:
             search.freed(before, [name, plain])
     found = likeliest(search, before, no_worse)
@@ -69,9 +67,7 @@ def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate],
     near = [
         state
         for state in search.states
-        if state.ids
-        and np.isfinite(state.fit.chi2)
-        and structured(state.fit, search.problem, search.noise) <= limit
+        if state.ids and np.isfinite(state.fit.chi2) and structured(state.fit, search.problem, search.noise) <= limit
     ]
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
     for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):

@@ -173,9 +173,7 @@ class Descent:
         forms, x, value = dict(self.forms), self.x, self.value
         if not np.isfinite(self.misfit):
             empty, far = np.zeros((len(value), len(x))), np.full_like(value, np.inf)
-            return Fit(
-                forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own
-            )
+            return Fit(forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own)
         if not self.exact:
             self._ask()
         left, jacobian = self.left, self.jacobian
@@ -269,9 +267,7 @@ class Descent:
         if not np.isfinite(misfit):
             return np.zeros_like(step)
         second = 2.0 / _NEAR * ((self.left - left) / _NEAR - self.jacobian @ ((near - self.x) / _NEAR))
-        bend = 0.5 * _step(
-            normal, size, -self.jacobian.T @ second, self.damping, self.x, self.low, self.high, ~held
-        )
+        bend = 0.5 * _step(normal, size, -self.jacobian.T @ second, self.damping, self.x, self.low, self.high, ~held)
         far = float(size @ bend**2) > _BENT**2 * float(size @ step**2)
         return np.zeros_like(step) if far else bend
 
@@ -294,9 +290,7 @@ class Descent:
 
     def _beyond(self, x: Array) -> Array:
         """Return by how much the constants are forbidden ones, (k,)."""
-        return np.array(
-            list(self.problem.forbidden(x[: self.own], split(x[self.own :], self.forms)).values())
-        )
+        return np.array(list(self.problem.forbidden(x[: self.own], split(x[self.own :], self.forms)).values()))
 
     def _slopes_beyond(self, x: Array, outside: Array) -> Array:
         """Return how what is forbidden at ``x``, ``outside`` (k,), changes with each constant, (k, constants)."""

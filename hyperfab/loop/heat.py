@@ -136,9 +136,7 @@ class HeatProblem(Problem):
             rows.append(shown[:, read].transpose(0, 2, 1).reshape(len(own), -1)[:, one.kept])
         return np.concatenate(rows, axis=1)
 
-    def _settings(
-        self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]
-    ) -> tuple[Settings, list[Array]]:
+    def _settings(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> tuple[Settings, list[Array]]:
         """Return what the mold is run with, and the first and second lag [s] of the probes (b, p)."""
         count = len(own)
         mold = self.runs[0].mold
@@ -187,8 +185,7 @@ class HeatProblem(Problem):
             ends = begin + whole * np.array(knots)
             clock = np.linspace(begin, float(ends[-1]), 200)
             powered = [
-                (shape, Table(ends, np.array(levels) * top))
-                for (shape, _), top in zip(mold.heaters, most, strict=True)
+                (shape, Table(ends, np.array(levels) * top)) for (shape, _), top in zip(mold.heaters, most, strict=True)
             ]
             probes = np.concatenate([mold.probes, mold.parts]) if everywhere else mold.probes
             run = Run.whole(

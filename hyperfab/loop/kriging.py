@@ -88,9 +88,7 @@ def _alike(axes: Sequence[Axis], places: Array, sites: Array) -> Array:
     here, there = places[..., ~own], sites[:, ~own]
     none = np.zeros((1, here.shape[-1]))
     effects = _matern(here, there) - _matern(here, none) * _matern(there, none)[:, 0]
-    return np.asarray(
-        effects * (1.0 + _TOGETHER * places[..., own] @ sites[:, own].T) + _REST * _matern(places, sites)
-    )
+    return np.asarray(effects * (1.0 + _TOGETHER * places[..., own] @ sites[:, own].T) + _REST * _matern(places, sites))
 
 
 def _matern(places: Array, sites: Array) -> Array:

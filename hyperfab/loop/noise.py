@@ -117,9 +117,7 @@ class Noise:
         for rows, shape, shrink in self._shapes():
             yield rows, shape, shrink * (shape @ scaled[rows])
 
-    def _about_means(
-        self, scaled: Array, power: float = -0.5
-    ) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
+    def _about_means(self, scaled: Array, power: float = -0.5) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
         """Yield the same where those led alike scatter about their mean; to another power of their covariance."""
         shapes = self._shapes()
         for which in self.alike:
@@ -150,9 +148,7 @@ class Noise:
             variance[k] = 1.0 / (1.0 - other[2]) ** 2
             missed[k] = miss * np.sqrt(len(rows))
         each = [list(which) for which in self.alike]
-        return np.array(
-            [np.sum(off[one]) / np.sqrt(np.sum(variance[one]) + np.sum(missed[one]) ** 2) for one in each]
-        )
+        return np.array([np.sum(off[one]) / np.sqrt(np.sum(variance[one]) + np.sum(missed[one]) ** 2) for one in each])
 
     def _along(self, scaled: Array) -> Array:
         rho = self.correlation
@@ -190,8 +186,6 @@ def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:
     """
     sd = noise.sd.copy()
     for channel in {curve.channel for curve in curves if not curve.beforehand}:
-        rows = np.concatenate(
-            [np.arange(curve.start, curve.stop) for curve in curves if curve.channel == channel]
-        )
+        rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves if curve.channel == channel])
         sd[rows] = np.hypot(sd[rows], np.sqrt(np.mean(left[rows] ** 2)))
     return replace(noise, sd=sd)

@@ -63,9 +63,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0 and curve.specimen)
     groups, across = (
         tuple(
-            np.concatenate(
-                [np.arange(c.start, c.stop) for c in problem.curves if (c.specimen, c.channel) == key]
-            )
+            np.concatenate([np.arange(c.start, c.stop) for c in problem.curves if (c.specimen, c.channel) == key])
             for key in dict.fromkeys(
                 (c.specimen, channel) for c in problem.curves if c.channel == channel and c.specimen
             )
@@ -96,10 +94,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
 def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
     """Return, row by row, the largest reading of its curve, of a transverse stretch how far it is from rest."""
     return np.concatenate(
-        [
-            np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows] - (c.channel != 0)), initial=0.0)))
-            for c in curves
-        ]
+        [np.full(c.stop - c.start, float(np.max(np.abs(y[c.rows] - (c.channel != 0)), initial=0.0))) for c in curves]
     )
 
 
@@ -131,9 +126,7 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
     return np.concatenate(found), np.concatenate(level)
 
 
-def _from_differences(
-    y: Array, curves: Sequence[Curve], rows: Array
-) -> tuple[Array, float, str, Array | float]:
+def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[Array, float, str, Array | float]:
     """Return sd = sqrt(a^2 + (b y)^2) of each row, b only where the data ask for it, its degrees of freedom and source,
     and by how much it is louder than in all curves.
 
@@ -235,9 +228,7 @@ def _compared(problem: Problem, sd: Array) -> _Compared | None:
         power = float(quiet @ quiet)
         rest, lag = power / (2.0 * (len(left) - len(coefficients))), float(quiet[1:] @ quiet[:-1])
         likely = 2.0 * float(np.sum(np.log(spread)))
-        found.append(
-            (gain - variance, gain - TOLD**2 * variance, rest, lag / max(power, 1e-300), len(left), likely)
-        )
+        found.append((gain - variance, gain - TOLD**2 * variance, rest, lag / max(power, 1e-300), len(left), likely))
     if not found:
         return None
     gains, sure, rests, lags, counts, likely = np.array(found).T

@@ -156,10 +156,7 @@ def _through(left: Array | float, read: Callable[[float], Array]) -> Array:
         return read(low)
     nodes = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(5) / 4)
     rows = np.stack([read(float(node)) for node in nodes])
-    weights = [
-        np.prod([(left - other) / (node - other) for other in nodes if other != node], axis=0)
-        for node in nodes
-    ]
+    weights = [np.prod([(left - other) / (node - other) for other in nodes if other != node], axis=0) for node in nodes]
     return np.asarray(np.sum(np.stack(weights) * rows, axis=0))
 
 
@@ -214,9 +211,7 @@ def press_problem(
         half_mm=setting.half_mm,
         pressure_MPa=float(np.mean(whole.law.stress(0.5))),
         foam=foam or FoamContext(),
-        temperatures=tuple(
-            sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})
-        ),
+        temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
         molds_degC=setting.temperature,
         formed="formed" in kinds,
         force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
@@ -292,14 +287,10 @@ def menu(
         found.append(Reading(text, "mounting", np.zeros(4), places=sides))
     if sum(setting.fabric) > 0.0:
         text = "the thickness of the fabrics alone under rising pressure (ISO 5084)"
-        found.append(
-            Reading(text, "fabric", np.zeros(10), load=loudest["pressure"] * np.linspace(0.1, 1.0, 10))
-        )
+        found.append(Reading(text, "fabric", np.zeros(10), load=loudest["pressure"] * np.linspace(0.1, 1.0, 10)))
     if setting.cold is not None:
         text = f"force over stroke with the molds at {setting.cold.temperature:g} degC"
         found.append(replace(force, name=text, temperature=setting.cold.temperature, warmth=setting.cold))
     for one in found:
-        details = {"reading": one.kind} | (
-            {} if one.temperature is None else {"temperature_degC": one.temperature}
-        )
+        details = {"reading": one.kind} | ({} if one.temperature is None else {"temperature_degC": one.temperature})
         yield one, details, _SIZE.get(one.kind) or _SHARE[one.kind] * max(loudest[one.kind], 1e-9)

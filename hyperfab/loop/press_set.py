@@ -134,9 +134,7 @@ class SetPress:
         if law is None:
             return np.full(len(reading.load), whole)
         strain = np.append(law.knots, law.limit)
-        return np.asarray(
-            whole * (1.0 - np.interp(reading.load, self.now.factor * law.stress(strain), strain))
-        )
+        return np.asarray(whole * (1.0 - np.interp(reading.load, self.now.factor * law.stress(strain), strain)))
 
     def _of_mounting(self, changes: Changes, reading: Reading) -> Array:
         """Return how much further (m,) [mm] the female's mounting face stands off at places, less their mean."""

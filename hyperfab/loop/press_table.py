@@ -271,9 +271,7 @@ def loads(table: PressTable, opening: float, tilt: Array) -> Array:
     return np.array([force, *((pressure * table.area) @ (turns + table.bend @ tilt))])
 
 
-def found_tilt(
-    table: PressTable, off: Array, opening: float, unbalanced: Callable[[float, float], float]
-) -> Array:
+def found_tilt(table: PressTable, off: Array, opening: float, unbalanced: Callable[[float, float], float]) -> Array:
     """Return the tilt (2,) [rad] a floating female adds to the one the table stands at.
 
     ``off`` (2,) [mm] is where the table's own sum has the force's arm though it balances: what a thinned sum misses.
@@ -292,9 +290,7 @@ def found_tilt(
         if not np.all(np.isfinite(slope)) or np.linalg.matrix_rank(slope) < 3:
             break
         step = -np.linalg.solve(slope, left)
-        trial = here + step * min(
-            1.0, 0.2 / max(abs(step[0]), 1e-30), 0.01 / max(np.abs(step[1:]).max(), 1e-30)
-        )
+        trial = here + step * min(1.0, 0.2 / max(abs(step[0]), 1e-30), 0.01 / max(np.abs(step[1:]).max(), 1e-30))
         trial[1:] = np.clip(trial[1:], -_MOST, _MOST)
         done = bool(np.abs(trial - here)[1:].max() < 1e-10)
         here, left = trial, residual(trial)

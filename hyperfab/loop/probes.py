@@ -61,9 +61,7 @@ def _begun(problem: HeatProblem) -> Iterator[str]:
     """Yield by how much the log begins warmer or colder than the document, where that is more than it may be."""
     clock, known = problem.runs[0].clock[0], problem.own[problem.kinds.index("start")]
     delivered = problem.predict(np.array([constant.value for constant in problem.own]), {})
-    first = np.array(
-        [curve.start for curve in problem.curves if curve.abscissa[0] <= _SOON * clock[-1]], dtype=int
-    )
+    first = np.array([curve.start for curve in problem.curves if curve.abscissa[0] <= _SOON * clock[-1]], dtype=int)
     off = (problem.measured - delivered)[first]
     if len(off) and np.min(np.abs(off)) > _FAR * known.prior_sd and np.ptp(np.sign(off)) == 0.0:
         which = "warmer" if off[0] > 0.0 else "colder"

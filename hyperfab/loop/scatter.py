@@ -112,9 +112,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
         # The same file under two names is no measure of noise.
         top = float(np.max(np.abs(values), initial=0.0)) or 1.0
         spread = max(float(np.sqrt(np.mean(apart**2))), 1e-6 * top)
-        return Guess(
-            spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]])
-        )
+        return Guess(spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]]))
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:

@@ -52,9 +52,7 @@ class Search:
         near = fit(self.problem, wrong, {}, best.x)
         own = min(best, fit(self.problem, self.noise, {}, near.x), key=lambda one: one.cost)
         self._own_optimum = Candidate(self.problem, self.noise, own)
-        state = Candidate(
-            self.problem, self.noise, fit(self.problem, self.noise, {}, near.x, iterations=0), wrong
-        )
+        state = Candidate(self.problem, self.noise, fit(self.problem, self.noise, {}, near.x, iterations=0), wrong)
         self._states[()] = state
         return state
 
@@ -110,9 +108,7 @@ class Search:
             ),
             key=lambda form: -rank[form.name],
         )
-        fits = [
-            found for form in basic[:_FORMS] if (found := self._joint(state.fit, effect, form)) is not None
-        ]
+        fits = [found for form in basic[:_FORMS] if (found := self._joint(state.fit, effect, form)) is not None]
         if not fits:
             return None
         found = self.lowest(fits)
@@ -216,9 +212,7 @@ class Search:
             # What the constants have come to beside one form may be far from what they are beside another.
             anew = given | {name: np.array(form.starts[0])}
             owns = parent.x[: parent.own], self._states[()].fit.x
-            starts = [
-                np.concatenate([own, *parts.values()]) for own, parts in zip(owns, (near, anew), strict=True)
-            ]
+            starts = [np.concatenate([own, *parts.values()]) for own, parts in zip(owns, (near, anew), strict=True)]
             found = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
             if not np.isfinite(found.chi2):
                 return None

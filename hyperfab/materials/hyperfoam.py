@@ -171,9 +171,7 @@ class HyperfoamLaw(Law):
         self.name = f"hyperfoam-{n}"
         self.linear = tuple(f"mu{i + 1}_MPa" for i in range(n))
         self.nonlinear = tuple(f"{name}{i + 1}" for name in ("alpha", "nu") for i in range(n))
-        self.bounds = {
-            f"{name}{i + 1}": ends for name, ends in (("alpha", ALPHAS), ("nu", RATIOS)) for i in range(n)
-        }
+        self.bounds = {f"{name}{i + 1}": ends for name, ends in (("alpha", ALPHAS), ("nu", RATIOS)) for i in range(n)}
 
     def refusal(self, parameters: Mapping[str, float]) -> str | None:
         """Say what has no meaning in ``Hyperfoam.of``."""
@@ -206,9 +204,7 @@ class Rows:
         zero, one = np.zeros_like(stretch), np.array([1.0, 0.0, 0.0])
         if test == "simple-shear":
             x = np.arcsinh(0.5 * stretch)
-            return cls(
-                np.stack([x, -x, zero], axis=1), np.zeros(3), np.array([1.0, -1.0, 0.0]), 2.0 * np.cosh(x)
-            )
+            return cls(np.stack([x, -x, zero], axis=1), np.zeros(3), np.array([1.0, -1.0, 0.0]), 2.0 * np.cosh(x))
         x = np.log(stretch)
         if test == "volumetric":
             return cls(np.stack([x, x, x], axis=1) / 3.0, np.zeros(3), one, stretch)

@@ -58,9 +58,7 @@ def nominal_stress(material: Material, mode: str, stretch: ArrayLike) -> Array:
     lam = np.asarray(stretch, dtype=float)
     if mode == SIMPLE_SHEAR:
         if material.law.compressible:
-            raise ValueError(
-                f"{material.law.name} changes its volume: simple shear is no planar tension of it"
-            )
+            raise ValueError(f"{material.law.name} changes its volume: simple shear is no planar tension of it")
         lam = sheared(lam)
         return stress_at(material, lam, np.ones_like(lam)) * share_of_shear(lam)
     nu = material.law.contraction(material.theta)

@@ -100,9 +100,7 @@ def contact_edge(press: Press, state: State, *, deformed: bool = False) -> Conta
     return ContactEdge(harmonics, multiple)
 
 
-def _carried_along(
-    edge: ContactEdge | ContactFront | None, mesh: SheetMesh, places: Array
-) -> ContactEdge | None:
+def _carried_along(edge: ContactEdge | ContactFront | None, mesh: SheetMesh, places: Array) -> ContactEdge | None:
     """Return where an edge on the undeformed sheet lies in ``places``: below the equator the radius says no longer
     which nodes lie outside.
     """
@@ -111,9 +109,7 @@ def _carried_along(
     angle = np.linspace(0.0, 2 * np.pi / mesh.copies, _AROUND, endpoint=mesh.copies > 1)
     points = edge.radius(angle)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     x, y, _ = interpolate(mesh, places, points).T
-    return ContactEdge(
-        _harmonics(np.hypot(x, y), np.arctan2(y, x), len(edge.harmonics), edge.multiple), edge.multiple
-    )
+    return ContactEdge(_harmonics(np.hypot(x, y), np.arctan2(y, x), len(edge.harmonics), edge.multiple), edge.multiple)
 
 
 def _about(mesh: SheetMesh, place: Array, inside: Flags, multiple: int) -> tuple[Array, float]:
@@ -127,9 +123,7 @@ def _about(mesh: SheetMesh, place: Array, inside: Flags, multiple: int) -> tuple
         return np.array([last]), float(mesh.node_size[np.argmin(np.abs(radius - last))])
     x, y = place[crossed].mean(axis=1).T
     count = min(_MOST_HARMONICS[multiple], max(1, len(crossed) // 4))
-    return _harmonics(np.hypot(x, y), np.arctan2(y, x), count, multiple), float(
-        np.median(mesh.node_size[crossed])
-    )
+    return _harmonics(np.hypot(x, y), np.arctan2(y, x), count, multiple), float(np.median(mesh.node_size[crossed]))
 
 
 def _harmonics(radius: Array, angle: Array, count: int, multiple: int) -> Array:

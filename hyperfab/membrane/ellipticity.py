@@ -48,9 +48,7 @@ def acoustic(found: Response, strain: Array) -> Array:
     ``found`` is the law's response to the right Cauchy-Green tensors ``strain`` (n, 3): C11, C22, C12.
     """
     angle = np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    return np.asarray(
-        _least(found.stress, found.stiffness, strain, np.column_stack([np.cos(angle), np.sin(angle)]))
-    )
+    return np.asarray(_least(found.stress, found.stiffness, strain, np.column_stack([np.cos(angle), np.sin(angle)])))
 
 
 @kernel
@@ -89,6 +87,4 @@ def weakest(sheet: Sheet, places: Array) -> Weakest:
     stretch = sheet.law.principal(strain[[point]]).stretch[0]
     element = point // sheet.mesh.weights.shape[1]
     middle = sheet.mesh.nodes[sheet.mesh.elements[element, :3]].mean(axis=0)
-    return Weakest(
-        (float(middle[0]), float(middle[1])), (float(stretch[0]), float(stretch[1])), float(least[point])
-    )
+    return Weakest((float(middle[0]), float(middle[1])), (float(stretch[0]), float(stretch[1])), float(least[point]))

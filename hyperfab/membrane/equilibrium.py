@@ -147,9 +147,7 @@ class Press:
             except NoEquilibriumError:
                 raise error from None
 
-    def _creeping(
-        self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory
-    ) -> State:
+    def _creeping(self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory) -> State:
         """Return the equilibrium with friction that grows over ever shorter slips, each from the one before.
 
         Nodes that stick slip by about the last of them, 1e-8 of the way from the axis to the rim.
@@ -315,9 +313,7 @@ class Press:
             step *= self._part_that_descends(depth, places, touching, system, step)
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
-        chosen = (
-            self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)
-        ) & self._movable
+        chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable
         chosen[nodes] = pressed > (-_FLAT * float(np.abs(pressed).max(initial=0.0)) if flat else 0.0)
         return step, chosen
 

@@ -150,11 +150,7 @@ class _Rubbing:
         self.ways[nodes[loose]] = -drag[loose] / needed[loose, None]
         moving = ~stuck & (size > _NO_WAY)
         direction = slip / np.maximum(size, _NO_WAY)[:, None]
-        backwards = (
-            moving
-            & ((direction * self.ways[nodes]).sum(axis=1) < 0.0)
-            & (self.changes[nodes] < _MOST_CHANGES)
-        )
+        backwards = moving & ((direction * self.ways[nodes]).sum(axis=1) < 0.0) & (self.changes[nodes] < _MOST_CHANGES)
         onwards = moving & ~backwards
         self.ways[nodes[onwards]] = direction[onwards]
         self.sticking[nodes[loose]] = False

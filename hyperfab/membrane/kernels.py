@@ -93,9 +93,7 @@ def assemble(
                     geometric = gradients[e, q, a, 0] * t1 + gradients[e, q, a, 1] * t2
                     for i in range(3):
                         for j in range(3):
-                            local[a, c, i, j] += (
-                                b[a, 0, i] * db[0, j] + b[a, 1, i] * db[1, j] + b[a, 2, i] * db[2, j]
-                            )
+                            local[a, c, i, j] += b[a, 0, i] * db[0, j] + b[a, 1, i] * db[1, j] + b[a, 2, i] * db[2, j]
                         local[a, c, i, i] += geometric
         for c in range(shapes):
             for a in range(c + 1):

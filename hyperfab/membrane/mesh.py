@@ -92,9 +92,7 @@ class SheetMesh:
         area = self.weights.sum(axis=1)
         edge = np.sqrt(4.0 / np.sqrt(3.0) * area)
         count = np.bincount(self.elements.ravel(), minlength=len(self.nodes))
-        total = np.bincount(
-            self.elements.ravel(), np.repeat(edge, self.elements.shape[1]), minlength=len(self.nodes)
-        )
+        total = np.bincount(self.elements.ravel(), np.repeat(edge, self.elements.shape[1]), minlength=len(self.nodes))
         return np.asarray(total / count)
 
 
@@ -216,9 +214,7 @@ def _gradients(nodes: Array, elements: Ints, order: int) -> tuple[Array, Array]:
         raise InputError(
             "an element is folded: the mesh is too coarse for its rim", remedy="choose a smaller --mesh-size"
         )
-    turned = np.stack(
-        [jacobian[..., 1, 1], -jacobian[..., 0, 1], -jacobian[..., 1, 0], jacobian[..., 0, 0]], axis=-1
-    )
+    turned = np.stack([jacobian[..., 1, 1], -jacobian[..., 0, 1], -jacobian[..., 1, 0], jacobian[..., 0, 0]], axis=-1)
     inverse = (turned / double[..., None]).reshape(jacobian.shape)
     return local @ inverse, 0.5 * double * weight
 

@@ -65,17 +65,13 @@ class ThreadedLaw:
         """Return the ground's thickness stretch (n,)."""
         root = np.sqrt(np.maximum(strain[:, 0] * strain[:, 1] - strain[:, 2] ** 2, 1e-300))
         # Only the product of both stretches counts.
-        parts = [
-            share * np.asarray(one.thickness_stretch(root, np.ones_like(root))) for share, one in self.ground
-        ]
+        parts = [share * np.asarray(one.thickness_stretch(root, np.ones_like(root))) for share, one in self.ground]
         return np.asarray(np.sum(parts, axis=0))
 
 
 def fibre_sheet(ground: Material, warp: Material, weft: Material) -> RelaxedSheet:
     """Return the sheet of a law of two directions whose ``ground`` is known: the laws seen along warp and weft."""
-    return RelaxedSheet(
-        ThreadedLaw(((1.0, ground),), (((1.0, warp), (-1.0, ground)), ((1.0, weft), (-1.0, ground))))
-    )
+    return RelaxedSheet(ThreadedLaw(((1.0, ground),), (((1.0, warp), (-1.0, ground)), ((1.0, weft), (-1.0, ground)))))
 
 
 def orthotropic_sheet(warp: Material, weft: Material) -> SheetLaw:

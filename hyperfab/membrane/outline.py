@@ -288,9 +288,7 @@ class Polygon:
         """Whether the outline is its own mirror image in x and in y."""
         limit = _MIRRORED * float(np.ptp(self.vertices, axis=0).max())
         seen = np.concatenate([self.vertices, 0.5 * (self.vertices + np.roll(self.vertices, 1, axis=0))])
-        return all(
-            bool(np.abs(self._distance(seen * mirror)).max() <= limit) for mirror in ([-1, 1], [1, -1])
-        )
+        return all(bool(np.abs(self._distance(seen * mirror)).max() <= limit) for mirror in ([-1, 1], [1, -1]))
 
     def inside(self, points: Array, margin: Array | float = 0.0) -> Flags:
         """Whether points (n, 2) lie inside by at least ``margin`` [mm]."""

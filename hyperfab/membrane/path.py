@@ -134,9 +134,7 @@ def cold_start(press: Press, depth: float) -> State:
     return press.equilibrium(depth, state.places, state.touching)
 
 
-def _advance(
-    press: Press, footings: list[Footing], target: float, smallest: float, path: Path, watch: Watch
-) -> None:
+def _advance(press: Press, footings: list[Footing], target: float, smallest: float, path: Path, watch: Watch) -> None:
     """Reach ``target`` from the last footing, by halved steps where need be."""
     step = target - footings[-1].state.depth if footings else min(target, _LEAP * press.sheet.reach)
     failed = False
@@ -273,9 +271,7 @@ def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:
         held = blocks.copy()
         held[pattern.diagonal[touching]] += stiff
         right = np.where(touching, stiff * np.where(touching, floor, 0.0), 0.0)[:, None]
-        height = pattern.extend(
-            pattern.solver.factorise(pattern.matrix(held)).solve(pattern.restrict(right))
-        )[:, 0]
+        height = pattern.extend(pattern.solver.factorise(pattern.matrix(held)).solve(pattern.restrict(right)))[:, 0]
         pressed = touching & (np.where(touching, floor, 0.0) > height)
         chosen = (pressed | (~touching & (height < floor))) & free[:, 0]
         if (chosen == touching).all():

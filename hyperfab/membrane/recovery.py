@@ -140,9 +140,7 @@ def _strains(
 def _averaged(mesh: SheetMesh, places: Array) -> Array:
     """Return the elements' mean deformation gradients (n, 3, 2), averaged at the nodes."""
     weights = mesh.weights / mesh.weights.sum(axis=1)[:, None]
-    gradients = (weights[:, None, :] @ mesh.gradients.reshape(*weights.shape, -1)).reshape(
-        *mesh.elements.shape, 2
-    )
+    gradients = (weights[:, None, :] @ mesh.gradients.reshape(*weights.shape, -1)).reshape(*mesh.elements.shape, 2)
     mean = np.swapaxes(places[mesh.elements], 1, 2) @ gradients
     at = mesh.elements.ravel()
     total = [
@@ -150,6 +148,4 @@ def _averaged(mesh: SheetMesh, places: Array) -> Array:
         for axis in range(3)
         for slope in range(2)
     ]
-    return (
-        np.stack(total, axis=1).reshape(-1, 3, 2) / np.bincount(at, minlength=len(mesh.nodes))[:, None, None]
-    )
+    return np.stack(total, axis=1).reshape(-1, 3, 2) / np.bincount(at, minlength=len(mesh.nodes))[:, None, None]

@@ -54,9 +54,7 @@ class RelaxedSheet:
         """Answer to the right Cauchy-Green tensors (n, 3)."""
         found = self._relaxed(strain)
         D = found.stiffness
-        return Response(
-            found.energy, found.stress, np.stack([D[:, i, j] for i, j in _PAIRS], axis=1), found.state
-        )
+        return Response(found.energy, found.stress, np.stack([D[:, i, j] for i, j in _PAIRS], axis=1), found.state)
 
     def principal(self, strain: Array) -> Principal:
         """Return principal stretches, and the principal Cauchy stresses at the width the sheet takes by itself."""
@@ -114,9 +112,7 @@ class RelaxedSheet:
             tries = np.tile(np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS, len(lost))
             taken, turned, _ = self._minimum(many, tries)
             energy = self.law.answer(many + taken[:, None] * _dyad(turned)).energy.reshape(len(lost), -1)
-            best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(
-                len(lost)
-            )
+            best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(len(lost))
             a[lost], angle[lost] = taken[best], turned[best]
         natural = C + a[:, None] * _dyad(angle)
         own = self.law.answer(natural)

@@ -93,7 +93,5 @@ class Neighbourhood:
         beside = press_on(test, press.sheet.mesh)
         if beside.sheet.pattern is not press.sheet.pattern:
             raise NoEquilibriumError("the clamp gives where it held, or the other way round")
-        places = np.where(
-            beside.sheet.pattern.free, state.places, state.places + beside.sheet.flat - press.sheet.flat
-        )
+        places = np.where(beside.sheet.pattern.free, state.places, state.places + beside.sheet.flat - press.sheet.flat)
         return beside, places

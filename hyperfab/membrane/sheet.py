@@ -147,9 +147,7 @@ class Clamp:
         self._nodes = nodes
         self._mass = mass
         self.rounding = 4.0 * np.finfo(float).eps * float(np.abs(mass).sum(axis=2).max() * np.abs(rest).max())
-        self._block = mesh.slipping_pattern.block_of[
-            element[:, None, None], local[:, :, None], local[:, None, :]
-        ]
+        self._block = mesh.slipping_pattern.block_of[element[:, None, None], local[:, :, None], local[:, None, :]]
 
     def energy(self, places: Array) -> float:
         """Return the energy [N mm] of the springs of what is meshed."""
@@ -173,9 +171,7 @@ def rim_edges(mesh: SheetMesh) -> tuple[Ints, Ints, Ints]:
     local = np.array([[0, 1, 3], [1, 2, 4], [2, 0, 5]])[:, : mesh.order + 1]
     nodes = mesh.elements[:, local]
     ends = np.sort(nodes[:, :, :2], axis=2).reshape(-1, 2)
-    _, inverse, count = np.unique(
-        ends[:, 0] * len(mesh.nodes) + ends[:, 1], return_inverse=True, return_counts=True
-    )
+    _, inverse, count = np.unique(ends[:, 0] * len(mesh.nodes) + ends[:, 1], return_inverse=True, return_counts=True)
     held = np.zeros(len(mesh.nodes), bool)
     held[mesh.rim] = True
     mine = held[nodes].all(axis=2) & (count[inverse].reshape(-1, 3) == 1)

@@ -131,9 +131,7 @@ def press_on(test: SphereTest, mesh: SheetMesh) -> Press:
     return Press(sheet, test.facets, test.friction, max_iterations=_ON_FACETS, frame=test.frame)
 
 
-def rough_path(
-    test: SphereTest, depths: Sequence[float], watch: Watch = lambda state: None
-) -> tuple[Press, Path]:
+def rough_path(test: SphereTest, depths: Sequence[float], watch: Watch = lambda state: None) -> tuple[Press, Path]:
     """Follow the test through ``depths`` [mm] on a mesh that is uniform where the sphere may touch."""
     coarse = max(test.mesh_size, _ROUGH * test.outline.reach)
     inner = min(coarse, test.radius * _ON_SPHERE)
@@ -162,9 +160,7 @@ def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge | ContactFront]) -
     return _mesh(test, _fitted_triangles(test, edges, 0.0))
 
 
-def _fitted_triangles(
-    test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float
-) -> Triangles:
+def _fitted_triangles(test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float) -> Triangles:
     coarse = test.mesh_size / _FINER**level
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
     sizes: list[SizeField] = []

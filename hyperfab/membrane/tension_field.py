@@ -87,9 +87,7 @@ class IsotropicSheet:
         d11, d22, d12 = a11 / c1 - p1 / (l1 * c1), a22 / c2 - p2 / (l2 * c2), a12 / (l1 * l2)
         # Equal stretches: the difference quotient becomes a derivative.
         near = (c1 - c2) < 1e-5 * c1
-        shear = np.where(
-            near & ~loose, 0.25 * (d11 + d22) - 0.5 * d12, (s1 - s2) / np.where(near, 1.0, c1 - c2)
-        )
+        shear = np.where(near & ~loose, 0.25 * (d11 + d22) - 0.5 * d12, (s1 - s2) / np.where(near, 1.0, c1 - c2))
         return Response(energy, *rotated(s1, s2, d11, d22, d12, shear, cos2, sin2), state)
 
     def principal(self, strain: Array) -> Principal:
@@ -150,10 +148,7 @@ def rotated(
     t1, t2, t3 = (cc, ss, cs), (ss, cc, -cs), (-2 * cs, 2 * cs, cos2)
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     stiffness = [
-        d11 * t1[i] * t1[j]
-        + d22 * t2[i] * t2[j]
-        + d12 * (t1[i] * t2[j] + t2[i] * t1[j])
-        + shear * t3[i] * t3[j]
+        d11 * t1[i] * t1[j] + d22 * t2[i] * t2[j] + d12 * (t1[i] * t2[j] + t2[i] * t1[j]) + shear * t3[i] * t3[j]
         for i, j in pairs
     ]
     return stress, np.column_stack(stiffness)

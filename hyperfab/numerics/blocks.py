@@ -40,9 +40,7 @@ class BlockPattern:
            [1., 1.]])
     """
 
-    def __init__(
-        self, elements: Ints, nodes: int, free: NDArray[np.bool_], points: Array | None = None
-    ) -> None:
+    def __init__(self, elements: Ints, nodes: int, free: NDArray[np.bool_], points: Array | None = None) -> None:
         self._elements, self._points = elements, points
         count, shapes = elements.shape
         rows = np.repeat(elements, shapes, axis=1).ravel()
@@ -106,9 +104,7 @@ class BlockPattern:
     def matrix(self, blocks: Array) -> sparse.csc_matrix:
         """Return the matrix of the free unknowns for block values (blocks, size, size)."""
         n = self.unknowns
-        return sparse.csc_matrix(
-            (rows(blocks.ravel(), self._source), self._indices, self._indptr), shape=(n, n)
-        )
+        return sparse.csc_matrix((rows(blocks.ravel(), self._source), self._indices, self._indptr), shape=(n, n))
 
     def restrict(self, values: Array) -> Array:
         """Return the free entries of nodal values (nodes, size), as a vector."""

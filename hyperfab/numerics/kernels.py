@@ -104,9 +104,7 @@ class Kept(_caching.FunctionCache):  # type: ignore[misc]
     @cached_property
     def _ahead(self) -> Any:
         function = self._function
-        python = (
-            f"py{sys.version_info[0]}{sys.version_info[1]}{sys.abiflags if hasattr(sys, 'abiflags') else ''}"
-        )
+        python = f"py{sys.version_info[0]}{sys.version_info[1]}{sys.abiflags if hasattr(sys, 'abiflags') else ''}"
         name = f"{function.__module__.removeprefix('hyperfab.')}.{function.__qualname__}.{python}"
         return _caching.IndexDataCacheFile(str(AHEAD), name, self.digest)
 
@@ -192,11 +190,7 @@ def _of(value: Any, names: tuple[str, ...], place: str) -> bytes:
 
 def _for_the_level() -> None:
     """Compile for all processors of a level rather than for this one, unless numba was told otherwise."""
-    if (
-        _config.CPU_NAME is None
-        and _config.CPU_FEATURES is None
-        and platform.machine() in ("x86_64", "AMD64")
-    ):
+    if _config.CPU_NAME is None and _config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64"):
         has = llvm.get_host_cpu_features()
         if all(has.get(feature, False) for feature in _NEEDS):
             _config.CPU_NAME, _config.CPU_FEATURES = _LEVEL, ""

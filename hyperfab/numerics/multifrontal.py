@@ -76,9 +76,7 @@ class Elimination:
         )
         #: Ranges of fronts: those of one stage do not touch each other, and come after all of the stages before.
         inner = dissection.children[:, 0] >= 0
-        children = [
-            tuple(pair) if has else () for pair, has in zip(dissection.children.tolist(), inner, strict=True)
-        ]
+        children = [tuple(pair) if has else () for pair, has in zip(dissection.children.tolist(), inner, strict=True)]
         self.stages = _stages(children, int(starts[-1]))
         worked, kept, self._room = _stacked(children, rests, self.stages)
         self.fronts = Fronts(
@@ -292,9 +290,7 @@ def _eliminate(
             if words[4] != 0:
                 return True
         if p and b:
-            call_routine(
-                routines[1], (right, lower, turned, plain, rest, count, one, top, lead, low, lead_low)
-            )
+            call_routine(routines[1], (right, lower, turned, plain, rest, count, one, top, lead, low, lead_low))
             call_routine(
                 routines[2],
                 (lower, plain, rest, count, minus_one, low, lead_low, one, room_at + 8 * left, lead_low),
@@ -306,9 +302,7 @@ def _eliminate(
 
 
 @part
-def _add(
-    fronts: Fronts, child: int, factor: Array, room: Array, start: int, left: int, p: int, b: int
-) -> None:
+def _add(fronts: Fronts, child: int, factor: Array, room: Array, start: int, left: int, p: int, b: int) -> None:
     """Add what remains of a child (lower triangle) to the three parts of its parent's front."""
     count, place = fronts.rests[child], fronts.above[fronts.rest_starts[child] :]
     for j in range(count):

@@ -41,9 +41,7 @@ def remainder(matrix: sparse.csr_matrix, x: Array, right: Array) -> Array:
     return rest
 
 
-def relax(
-    matrix: sparse.csr_matrix, x: Array, right: Array, weights: Array, change: Array, keep: float
-) -> Array:
+def relax(matrix: sparse.csr_matrix, x: Array, right: Array, weights: Array, change: Array, keep: float) -> Array:
     """Return x + d for d = keep d + weights (right - matrix @ x); d is the last change and is changed in place.
 
     A step of a smoother with memory (Chebyshev's), the residual of each row used as soon as it is known.
@@ -83,9 +81,7 @@ def _in_blocks_of_rows(matrix: sparse.csr_matrix, work: Callable[..., None], *gi
 
 
 @kernel
-def _begin(
-    right: Array, inverse: Array, centre: float, change: Array, x: Array, first: int, last: int
-) -> None:
+def _begin(right: Array, inverse: Array, centre: float, change: Array, x: Array, first: int, last: int) -> None:
     for i in range(first, last):
         change[i] = inverse[i] * right[i] / centre
         x[i] = change[i]

@@ -216,9 +216,7 @@ def curved(value: float, band: Band, low: float, high: float) -> Band:
     if normal == 0.0:
         return band
     further = ((band.high - value) / normal) ** 2
-    return replace(
-        band, low=min(value, band.low + further * low), high=max(value, band.high + further * high)
-    )
+    return replace(band, low=min(value, band.low + further * low), high=max(value, band.high + further * high))
 
 
 def off_by_bends(along: Array, bends: Array) -> float:
@@ -271,9 +269,7 @@ def _coverage(effects: Array, sources: Sequence[Source]) -> float:
     blocks = [block for one in sources for block in one.blocks]
     each = np.split(effects**2, np.cumsum([root.shape[1] for root, _ in blocks])[:-1])
     variance = [float(own.sum()) for own in each]
-    below = sum(
-        v**2 / freedom for v, (_, freedom) in zip(variance, blocks, strict=True) if np.isfinite(freedom)
-    )
+    below = sum(v**2 / freedom for v, (_, freedom) in zip(variance, blocks, strict=True) if np.isfinite(freedom))
     if below <= 0.0:
         return float(ndtri(0.5 + 0.5 * LEVEL))
     return float(stdtrit(sum(variance) ** 2 / below, 0.5 + 0.5 * LEVEL))
@@ -281,9 +277,7 @@ def _coverage(effects: Array, sources: Sequence[Source]) -> float:
 
 def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:
     alone = float(variance.sum())
-    rest = (
-        rest if rest > 1e-3 * (alone + rest) else 0.0
-    )  # so little is not told, and shares make up the whole
+    rest = rest if rest > 1e-3 * (alone + rest) else 0.0  # so little is not told, and shares make up the whole
     total = alone + rest
     if total <= 0.0:
         return ()

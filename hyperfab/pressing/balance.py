@@ -85,9 +85,7 @@ def balance(
         if np.degrees(moved.angle) > TIPPED_DEG:
             break
     raise NotConverged(
-        "the floating female finds no balance: it tips over"
-        if floating
-        else "no position balances the frame",
+        "the floating female finds no balance: it tips over" if floating else "no position balances the frame",
         remedy="move the force into the area that touches (--force-at), or guide the mold (without --float)",
     )
 

@@ -16,9 +16,7 @@ from hyperfab.numerics.kernels import kernel
 # Six points of degree 4 on the triangle: D. A. Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) 1129.
 _A, _B = 0.445948490915965, 0.091576213509771
 _WA, _WB = 0.223381589678011, 0.109951743655322
-POINTS = np.array(
-    [[p if corner != k else 1.0 - 2.0 * p for corner in range(3)] for p in (_A, _B) for k in range(3)]
-)
+POINTS = np.array([[p if corner != k else 1.0 - 2.0 * p for corner in range(3)] for p in (_A, _B) for k in range(3)])
 WEIGHTS = np.array([_WA] * 3 + [_WB] * 3)
 WEIGHTS = WEIGHTS / WEIGHTS.sum()
 

@@ -107,9 +107,7 @@ def smooth_normals(surface: Surface) -> Array:
         lengths = (one * one).sum(axis=1) * (two * two).sum(axis=1)
         weighted = np.cross(one, two) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
         for axis in range(3):
-            total[:, axis] += np.bincount(
-                surface.faces[:, k], weights=weighted[:, axis], minlength=len(total)
-            )
+            total[:, axis] += np.bincount(surface.faces[:, k], weights=weighted[:, axis], minlength=len(total))
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.asarray(total / np.where(length > 0.0, length, 1.0))
 

@@ -50,9 +50,7 @@ def constant_gap(female: Mold, gap: float | Array) -> Design:
     folded = _FOLDED if np.ndim(gap) == 0 else _FOLDED_UNEVEN
     near = (found < (1.0 - folded) * each)[front.faces].any(axis=1)
     least = float(each.min())
-    _refuse(
-        np.asarray(near), front, f"comes nearer to the female than {least:g} mm and would cut into itself"
-    )
+    _refuse(np.asarray(near), front, f"comes nearer to the female than {least:g} mm and would cut into itself")
     return Design(vertices, male.faces, float(np.ptp(found)))
 
 

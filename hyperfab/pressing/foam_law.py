@@ -120,18 +120,12 @@ def mixed(laws: Sequence[FoamLaw], weights: Sequence[float | Array]) -> FoamLaw:
     >>> mixed([linear(0.05), linear(0.03)], there).stress([1.0, 1.0]).round(9).tolist()
     [0.05, 0.04]
     """
-    used = [
-        (law, w)
-        for law, w in zip(laws, weights, strict=True)
-        if np.size(w) == 0 or np.any(np.asarray(w) > 0.0)
-    ]
+    used = [(law, w) for law, w in zip(laws, weights, strict=True) if np.size(w) == 0 or np.any(np.asarray(w) > 0.0)]
     if len(used) == 1 and np.ndim(used[0][1]) == 0:
         return used[0][0]
 
     def mean(of: Sequence[Callable[[Array], Array] | None]) -> Callable[[Array], Array]:
-        return lambda e: np.asarray(
-            sum(w * one(e) for one, (_, w) in zip(of, used, strict=True) if one is not None)
-        )
+        return lambda e: np.asarray(sum(w * one(e) for one, (_, w) in zip(of, used, strict=True) if one is not None))
 
     def carried(interpolate: Callable[[Array], Array]) -> FoamLaw:
         return mixed([law for law, _ in used], [interpolate(np.asarray(w)) for _, w in used])
@@ -210,9 +204,7 @@ def table(strain: ArrayLike, stress: ArrayLike) -> FoamLaw:
         if not (x[row] > before[0] and y[row] >= before[1]):
             raise ValueError(f"row {row + 1}: strain and stress must rise from row to row")
     if len(x) < 2 or x[0] < 0.0 or y[0] < 0.0 or x[-1] >= 1.0:
-        raise ValueError(
-            "strain must run from 0 to less than 1 in at least two rows, with stress of 0 or more"
-        )
+        raise ValueError("strain must run from 0 to less than 1 in at least two rows, with stress of 0 or more")
     if x[0] > 0.0:
         x, y = np.concatenate([[0.0], x]), np.concatenate([[0.0], y])
     slopes = np.diff(y) / np.diff(x)
@@ -272,16 +264,13 @@ def hyperfoam(mu: ArrayLike, alpha: ArrayLike, nu: ArrayLike) -> FoamLaw:
 
     def slope(e: Array) -> Array:
         lam = 1.0 - e
-        pieces = (
-            2 * m / a * ((a - 1) * lam ** (a - 2) + (a * b + 1) * lam ** (-a * b - 2)) for m, a, b in rows
-        )
+        pieces = (2 * m / a * ((a - 1) * lam ** (a - 2) + (a * b + 1) * lam ** (-a * b - 2)) for m, a, b in rows)
         return np.asarray(sum(pieces))
 
     def energy(e: Array) -> Array:
         lam = 1.0 - e
         pieces = (
-            2 * m / a**2 * (lam**a - 1 + ((lam ** (-a * b) - 1) / b if b else -a * np.log(lam)))
-            for m, a, b in rows
+            2 * m / a**2 * (lam**a - 1 + ((lam ** (-a * b) - 1) / b if b else -a * np.log(lam))) for m, a, b in rows
         )
         return np.asarray(sum(pieces))
 

@@ -136,8 +136,7 @@ class Neighbourhood:
         self._offset = np.zeros(2) if closed.case.offset is None else closed.case.offset
         self._cold = [closed.cold, self._feet(self._known, growths[1]), self._feet(self._first, growths[1])]
         self._grown = [
-            growth.at(points)
-            for growth, points in zip((growths[0], *2 * (growths[1],)), self._cold, strict=True)
+            growth.at(points) for growth, points in zip((growths[0], *2 * (growths[1],)), self._cold, strict=True)
         ]
         self._modes = [
             np.array([mode.at(points) for mode in each]).reshape(len(each), *points.shape)
@@ -194,9 +193,7 @@ class Neighbourhood:
         press = Beside(front, base, stack, self._known, female - self._grown[1] + rise, floating)
         pose = replace(base, opening=closed.pose.opening if force is not None else 0.0)
         if balanced:
-            place = (
-                [closed.pose.opening, *(closed.pose.tilt if floating else tilt)] if begun is None else begun
-            )
+            place = [closed.pose.opening, *(closed.pose.tilt if floating else tilt)] if begun is None else begun
             first_guess = replace(base, opening=float(place[0]), tilt=(float(place[1]), float(place[2])))
             pose, totals = balance(press, pose, force, frame, floating, first_guess, _BALANCED)
         else:
@@ -253,9 +250,7 @@ class ByPlace:
         tangent = np.zeros((3, 3))
         if self.balanced:
             size = 3 if turns else 1
-            tangent[:size, :size] = stiffness(
-                front, found, self.sandwich, modes_of(front.vertices, arm, turns)
-            )
+            tangent[:size, :size] = stiffness(front, found, self.sandwich, modes_of(front.vertices, arm, turns))
         part = positive_part(np.asarray(self.thickness - touch), front.faces, front.areas)
         there = self.sandwich.at(lambda values: part.at_corners(front.faces, values))
         load = float((there.pressure(part.at_corners(front.faces, gap)) * part.area).sum())

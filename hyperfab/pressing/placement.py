@@ -36,10 +36,7 @@ def closing_frame(male: Surface, female: Surface, axis: str) -> PressFrame:
     molds do not close along the axis, naming the axis that fits.
     """
     fits = [
-        frame
-        for name in "xyz"
-        for frame in (PressFrame(name, 1), PressFrame(name, -1))
-        if _closes(male, female, frame)
+        frame for name in "xyz" for frame in (PressFrame(name, 1), PressFrame(name, -1)) if _closes(male, female, frame)
     ]
     for frame in fits:
         if frame.axis == axis:
@@ -92,9 +89,7 @@ def clearance(male: Mold, female: Mold) -> Clearance:
         at = starts[best] + (0.0 if here is male else gaps[best]) * direction
         candidates.append((float(gaps[best]), at))
     if not candidates:
-        raise InputError(
-            "no part of the female lies above the male", remedy="check --axis and the two STL files"
-        )
+        raise InputError("no part of the female lies above the male", remedy="check --axis and the two STL files")
     gap, at = min(candidates, key=lambda pair: pair[0])
     return Clearance(gap, at)
 

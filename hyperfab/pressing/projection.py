@@ -205,12 +205,7 @@ def _along(terms: Array, c: int, u: float, v: float) -> Any:
     """One coordinate of a place of the patch, and its derivatives by u and v."""
     k1, k2, k3, k4, k5 = terms[1, c], terms[2, c], terms[3, c], terms[4, c], terms[5, c]
     k6, k7, k8, k9 = terms[6, c], terms[7, c], terms[8, c], terms[9, c]
-    x = (
-        terms[0, c]
-        + u * (k1 + u * (k3 + u * k6))
-        + v * (k2 + v * (k5 + v * k9))
-        + u * v * (k4 + u * k7 + v * k8)
-    )
+    x = terms[0, c] + u * (k1 + u * (k3 + u * k6)) + v * (k2 + v * (k5 + v * k9)) + u * v * (k4 + u * k7 + v * k8)
     xu = k1 + u * (2.0 * k3 + 3.0 * u * k6) + v * (k4 + 2.0 * u * k7 + v * k8)
     xv = k2 + v * (2.0 * k5 + 3.0 * v * k9) + u * (k4 + u * k7 + 2.0 * v * k8)
     return x, xu, xv

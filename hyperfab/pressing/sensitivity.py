@@ -83,10 +83,7 @@ def levers(tool: Tooling) -> list[Lever]:
             tool.female_strain * np.broadcast_to(up, arm.shape),
         ),
     ]
-    found = [
-        _lever(name, unit, step, (tool.direction * move).sum(axis=1), tool)
-        for name, unit, step, move in moves
-    ]
+    found = [_lever(name, unit, step, (tool.direction * move).sum(axis=1), tool) for name, unit, step, move in moves]
     # Foam does not move the molds; what it changes is the room left in the gap.
     found.append(Lever("foam thickness", "mm", 0.1, 1.0, -1.0))
     return sorted(found, key=lambda lever: -lever.step_rms)

@@ -63,9 +63,7 @@ class Series:
             second=two[low] + t * (two[high] - two[low]),
             pressure=now,
             stiffness=np.where(closing > 0.0, rise / np.where(span > 0.0, span, np.inf), 0.0),
-            energy=first * energy_one[low]
-            + second * energy_two[low]
-            + 0.5 * (pressure[low] + now) * (closing - begun),
+            energy=first * energy_one[low] + second * energy_two[low] + 0.5 * (pressure[low] + now) * (closing - begun),
         )
 
     def _by_place(self, closing: Array, first: float | Array, second: float | Array) -> Shared:

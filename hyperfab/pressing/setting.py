@@ -93,9 +93,7 @@ class Table:
 
     def at(self, temperature: ArrayLike, dwell: ArrayLike, strain: ArrayLike) -> Array:
         """Return the share after a dwell [s] at one temperature [degC]."""
-        one, span, strains = np.broadcast_arrays(
-            *(np.asarray(v, dtype=float) for v in (temperature, dwell, strain))
-        )
+        one, span, strains = np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in (temperature, dwell, strain)))
         found = [
             self.after(np.array([[t]]), np.array([d]), np.array([e]))[0]
             for t, d, e in zip(one.ravel(), span.ravel(), strains.ravel(), strict=True)
@@ -171,9 +169,7 @@ def _when(dwells: Array, curve: Array, share: Array) -> Array:
     row = np.arange(len(share))
     one, two = curve[row, high - 1], curve[row, high]
     part = np.where(two > one, (share - one) / np.where(two > one, two - one, 1.0), 0.0)
-    return np.where(
-        after == 0, 0.0, dwells[high - 1] + np.clip(part, 0.0, 1.0) * (dwells[high] - dwells[high - 1])
-    )
+    return np.where(after == 0, 0.0, dwells[high - 1] + np.clip(part, 0.0, 1.0) * (dwells[high] - dwells[high - 1]))
 
 
 def _read(dwells: Array, curve: Array, at: Array) -> Array:

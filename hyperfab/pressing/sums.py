@@ -186,15 +186,11 @@ def _place(points: Array, corners: Array, cut: Array) -> float:
     """Carry ``points`` (6, 3) into a piece by its ``corners`` (3, 3), and return its share of the face."""
     for q in range(6):
         for c in range(3):
-            cut[q, c] = (
-                points[q, 0] * corners[0, c] + points[q, 1] * corners[1, c] + points[q, 2] * corners[2, c]
-            )
+            cut[q, c] = points[q, 0] * corners[0, c] + points[q, 1] * corners[1, c] + points[q, 2] * corners[2, c]
     x, y, z = corners[0], corners[1], corners[2]
     return float(
         abs(
-            x[0] * (y[1] * z[2] - y[2] * z[1])
-            + x[1] * (y[2] * z[0] - y[0] * z[2])
-            + x[2] * (y[0] * z[1] - y[1] * z[0])
+            x[0] * (y[1] * z[2] - y[2] * z[1]) + x[1] * (y[2] * z[0] - y[0] * z[2]) + x[2] * (y[0] * z[1] - y[1] * z[0])
         )
     )
 

@@ -97,10 +97,7 @@ def _slopes(barycentric: Array) -> Array:
     by_corner = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     corner = (4.0 * barycentric - 1.0)[..., None] * by_corner
     middle = np.stack(
-        [
-            4.0 * (barycentric[:, a, None] * by_corner[b] + barycentric[:, b, None] * by_corner[a])
-            for a, b in EDGES
-        ],
+        [4.0 * (barycentric[:, a, None] * by_corner[b] + barycentric[:, b, None] * by_corner[a]) for a, b in EDGES],
         axis=1,
     )
     return np.concatenate([corner, middle], axis=1)

@@ -192,9 +192,7 @@ def _rigid_pieces(points: Array) -> sparse.csr_matrix:
         columns += [6 * piece + k] + [6 * piece + 3 + k] * 3
         values += [np.ones(len(points))] + [turn[:, i] for i in range(3)]
     shape = (3 * len(points), 6 * len(count))
-    return sparse.csr_matrix(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape
-    )
+    return sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
 
 def _only_free(prolongation: sparse.csr_matrix, free: Flags) -> sparse.csr_matrix:

@@ -80,10 +80,7 @@ def shares(budget: Sequence[Any], most: int = 3) -> str:
     >>> shares([{"source": "warp", "share": 0.8}, {"source": "weft", "share": 0.195}, {"source": "t", "share": 0.005}])
     'warp 80 %, weft 20 %'
     """
-    parts = [
-        (one["source"], one["share"]) if isinstance(one, Mapping) else (one.source, one.share)
-        for one in budget
-    ]
+    parts = [(one["source"], one["share"]) if isinstance(one, Mapping) else (one.source, one.share) for one in budget]
     return ", ".join(f"{source} {100.0 * share:.0f} %" for source, share in parts[:most] if share >= 0.01)
 
 

@@ -59,9 +59,7 @@ def drape_figure(
     _scene(scene, draped, larger, stretches)
     _worst(figure.add_axes((0.005, 0.85, 0.3, 0.13)), draped, force)
     bar = figure.add_axes((0.065, foot + 0.115, 0.18, 0.025))
-    figure.colorbar(
-        ScalarMappable(stretches, COLOURS), cax=bar, label="larger stretch", orientation="horizontal"
-    )
+    figure.colorbar(ScalarMappable(stretches, COLOURS), cax=bar, label="larger stretch", orientation="horizontal")
     if force_depth is not None:
         _curve(figure.add_axes((0.04, 0.085, 0.255, 0.18)), force_depth, interval)
     turn = max(float(np.abs(fields.cell_shear).max()), 1e-6)
@@ -82,9 +80,7 @@ def drape_figure(
         ("Shear angle [deg]", fields.cell_shear, "RdBu_r", Normalize(-turn, turn), True),
     )
     x, y = draped.flat[:, :, 0], draped.flat[:, :, 1]
-    grid = figure.add_gridspec(
-        2, 4, left=0.345, right=0.965, bottom=0.085, top=0.945, wspace=0.36, hspace=0.16
-    )
+    grid = figure.add_gridspec(2, 4, left=0.345, right=0.965, bottom=0.085, top=0.945, wspace=0.36, hspace=0.16)
     sheets = np.asarray(grid.subplots(sharex=True, sharey=True))
     for axes in sheets[:, 0]:
         axes.set_ylabel("weft, flat [mm]", fontsize=8)
@@ -112,9 +108,7 @@ def _worst(axes: Any, draped: Draped, force: str) -> None:
     axes.set_axis_off()
     flat, at = draped.peak
     places = [", ".join(f"{round(x, 1) + 0.0:.1f}" for x in place) for place in (flat[:2], at)]
-    axes.text(
-        0.0, 1.0, f"Largest stretch {draped.fields.stretch_max:.3f}", fontsize=15, weight="bold", va="top"
-    )
+    axes.text(0.0, 1.0, f"Largest stretch {draped.fields.stretch_max:.3f}", fontsize=15, weight="bold", va="top")
     below = (
         f"at the red cross: ({places[0]}) mm of the flat sheet,\n({places[1]}) mm on the mold (grey).\n"
         f"Thinnest {draped.fields.cell_thickness.min():.3g} mm. Press force {force}."
@@ -122,9 +116,7 @@ def _worst(axes: Any, draped: Draped, force: str) -> None:
     axes.text(0.0, 0.55, below, fontsize=10.5, va="top", linespacing=1.4)
 
 
-def _curve(
-    axes: Any, force_depth: Sequence[tuple[float, float]], interval: tuple[float, float] | None
-) -> None:
+def _curve(axes: Any, force_depth: Sequence[tuple[float, float]], interval: tuple[float, float] | None) -> None:
     axes.plot(*zip(*force_depth, strict=True), marker="o", color="tab:blue")
     draw_interval(axes, force_depth[-1], force=interval, colour="tab:blue")
     axes.set_title("Force of the press", fontsize=10)
@@ -143,9 +135,7 @@ def _label(axes: Any, title: str) -> None:
 def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     """The net, see-through, on the mold."""
     points = draped.points
-    pick = [
-        np.unique(np.linspace(0, k - 1, min(k, MOST_LINES)).round().astype(int)) for k in points.shape[:2]
-    ]
+    pick = [np.unique(np.linspace(0, k - 1, min(k, MOST_LINES)).round().astype(int)) for k in points.shape[:2]]
     p = points[np.ix_(*pick)]
     v = field[np.ix_(*(np.minimum(one[:-1], k - 1) for one, k in zip(pick, field.shape, strict=True)))]
     quads = np.stack([p[:-1, :-1], p[1:, :-1], p[1:, 1:], p[:-1, 1:]], 2).reshape(-1, 4, 3)
@@ -165,9 +155,7 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     )
     scene.add_collection3d(surfaces)
     at = draped.peak[1]
-    scene.plot(
-        [at[0]], [at[1]], [at[2]], marker="x", color="tab:red", markersize=9, markeredgewidth=2, zorder=99
-    )
+    scene.plot([at[0]], [at[1]], [at[2]], marker="x", color="tab:red", markersize=9, markeredgewidth=2, zorder=99)
     low, high = points.reshape(-1, 3).min(0), points.reshape(-1, 3).max(0)
     span = np.maximum(high - low, 1e-9)
     scene.set_xlim(low[0], high[0])

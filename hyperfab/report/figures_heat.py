@@ -41,18 +41,14 @@ def heat_figure(
     axes[0].set_aspect("equal")
     axes[0].set_xlabel(f"{labels[0]} [mm]")
     axes[0].set_ylabel(f"{labels[1]} [mm]")
-    axes[0].set_title(
-        f"work surface {title}: {temperature.min():.1f} to {temperature.max():.1f} °C", fontsize=10
-    )
+    axes[0].set_title(f"work surface {title}: {temperature.min():.1f} to {temperature.max():.1f} °C", fontsize=10)
     if curves:
         minutes = times / 60.0 if times[-1] > 600.0 else times
         for name, values in curves.items():
             axes[1].plot(minutes, values, label=name, linewidth=1.4)
         if warm is not None:
             scale = minutes[-1] / times[-1]
-            axes[1].axvspan(
-                *(scale * end for end in warm), color="0.85", zorder=0, label="warm-up, 95 % interval"
-            )
+            axes[1].axvspan(*(scale * end for end in warm), color="0.85", zorder=0, label="warm-up, 95 % interval")
         if target is not None:
             axes[1].axhline(target, color="0.5", linewidth=0.8, linestyle="--")
         axes[1].set_xlabel("time [min]" if times[-1] > 600.0 else "time [s]")

@@ -134,17 +134,11 @@ class LoopPicture:
             for curve in kinds[kind]:
                 rows = self.curves[curve]
                 axes.plot(self.abscissa[rows], self.measured[rows], ".", ms=2.5, color=DATA, label="measured")
-                axes.plot(
-                    self.abscissa[rows], self.before[rows], "-", lw=0.9, color=BEFORE, label="model before"
-                )
-                axes.plot(
-                    self.abscissa[rows], self.after[rows], "-", lw=1.2, color=AFTER, label="model after"
-                )
+                axes.plot(self.abscissa[rows], self.before[rows], "-", lw=0.9, color=BEFORE, label="model before")
+                axes.plot(self.abscissa[rows], self.after[rows], "-", lw=1.2, color=AFTER, label="model after")
             if first is None:
                 first = axes
-                axes.legend(
-                    axes.lines[:3], ["measured", "model before", "model after"], fontsize=8, markerscale=2
-                )
+                axes.legend(axes.lines[:3], ["measured", "model before", "model after"], fontsize=8, markerscale=2)
                 axes.set_ylabel(f"{_READINGS.get(self.unit, 'reading')} [{self.unit}]")
             axes.grid(alpha=0.3)
             axes.set_title(kind, fontsize=9)
@@ -175,9 +169,7 @@ class LoopPicture:
         for number, (words, size) in enumerate(zip(("before", "after"), sizes, strict=True)):
             axes = figure.add_subplot(pair[0, number])
             colours = "viridis" if vectors else "RdBu_r"
-            drawn = axes.scatter(
-                x[at], y[at], c=size, cmap=colours, norm=scale, s=14, edgecolors="0.5", linewidths=0.2
-            )
+            drawn = axes.scatter(x[at], y[at], c=size, cmap=colours, norm=scale, s=14, edgecolors="0.5", linewidths=0.2)
             if vectors:
                 rest = rests[number]
                 reach = 0.12 * max(float(np.ptp(x[at])), float(np.ptp(y[at])), 1e-9)
@@ -228,9 +220,7 @@ def _scores(axes: Any, scores: Mapping[str, float], label: str, added: Sequence[
     axes.set_xlabel(label)
 
 
-def _residual(
-    axes: Any, name: str, values: Array, before: Array, after: Array, known: Sequence[str] = ()
-) -> None:
+def _residual(axes: Any, name: str, values: Array, before: Array, after: Array, known: Sequence[str] = ()) -> None:
     """Draw what is left against a state: at its own values, or value by value where there are few."""
     axes.axhspan(-2.0, 2.0, color="0.9")
     values = np.exp(values) if name == "log rate" else values
@@ -314,7 +304,5 @@ def _word(name: str, value: float, known: Sequence[str]) -> str:
         return f"{value:.0f} °C"
     if name == "direction_deg":
         along = {0: "warp", 90: "weft"}
-        return (
-            along.get(round(value), f"{value:.0f}°") if abs(value - round(value)) < 0.5 else f"{value:.1f}°"
-        )
+        return along.get(round(value), f"{value:.0f}°") if abs(value - round(value)) < 0.5 else f"{value:.1f}°"
     return value_names(name, [round(value)], known)[0]

@@ -42,9 +42,7 @@ class SpottedMold:
 Interval = tuple[float, float] | None
 
 
-def spotting(
-    mold: SpottedMold, curve: Array, title: str, sure: tuple[Interval, Interval] = (None, None)
-) -> bytes:
+def spotting(mold: SpottedMold, curve: Array, title: str, sure: tuple[Interval, Interval] = (None, None)) -> bytes:
     """Return the picture as PNG; ``curve`` (k, 2) is stroke [mm] and force [N], ``sure`` where the last of both are to
     be expected."""
     return png(spotting_drawing(mold, curve, title, sure))
@@ -95,9 +93,7 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
         figure.colorbar(blue, ax=axes, label="pressure where it touches [kPa]", shrink=0.8)
         if not touched.all():
             # Cut along the line where the touch begins, not along the facets.
-            inside = axes.tricontourf(
-                plane, mold.level, levels=[0.0, float(mold.level.max()) + 1.0], alpha=0.0
-            )
+            inside = axes.tricontourf(plane, mold.level, levels=[0.0, float(mold.level.max()) + 1.0], alpha=0.0)
             blue.set_clip_path(inside.get_paths()[0], transform=axes.transData)
             axes.tricontour(plane, mold.level, levels=[0.0], colors="0.15", linewidths=0.7)
     if (mold.gap <= 0.0).any():
@@ -160,9 +156,7 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
     from matplotlib.figure import Figure
     from matplotlib.tri import Triangulation
 
-    shown: list[tuple[str, Array, str, float | None]] = [
-        ("formed thickness [mm]", mold.thickness, "viridis", None)
-    ]
+    shown: list[tuple[str, Array, str, float | None]] = [("formed thickness [mm]", mold.thickness, "viridis", None)]
     used = np.unique(mold.faces)
     if mold.off is not None:
         farthest = max(float(np.abs(mold.off[used]).max()), 1e-6)
@@ -174,9 +168,7 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
         figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True
     ):
         low, high = (float(values[used].min()), float(values[used].max())) if most is None else (-most, most)
-        drawn = axes.tripcolor(
-            plan, values, shading="gouraud", cmap=colours, vmin=low, vmax=max(high, low + 1e-6)
-        )
+        drawn = axes.tripcolor(plan, values, shading="gouraud", cmap=colours, vmin=low, vmax=max(high, low + 1e-6))
         figure.colorbar(drawn, ax=axes, label=label, shrink=0.8)
         across = mold.vertices[used]
         axes.set_xlim(across[:, 0].min(), across[:, 0].max())

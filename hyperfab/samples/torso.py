@@ -27,9 +27,7 @@ def torso(cells_x: int = 52, cells_y: int = 38) -> Solid:
     x = np.arange(cells_x + 1) * (2.0 * _HALF_X / cells_x) - _HALF_X
     y = np.arange(cells_y + 1) * (2.0 * _HALF_Y / cells_y) - _HALF_Y
     grid = np.stack([*np.meshgrid(x, y, indexing="ij")], axis=-1)
-    return closed_below(
-        np.concatenate([grid, height(grid[..., 0], grid[..., 1])[..., None]], axis=-1), BACK_MM
-    )
+    return closed_below(np.concatenate([grid, height(grid[..., 0], grid[..., 1])[..., None]], axis=-1), BACK_MM)
 
 
 def height(x: Array, y: Array) -> Array:

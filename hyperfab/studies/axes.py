@@ -15,9 +15,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.units import is_unit
 
 #: A number, and what may be its unit: 20x30 has none.
-_QUANTITY = re.compile(
-    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*((?!x\d)[A-Za-z%°µμ].*?|1/.*?)?\s*"
-)
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*((?!x\d)[A-Za-z%°µμ].*?|1/.*?)?\s*")
 #: Values that come out of a formula are rounded to this many digits, so that 0.1 + 0.2 reads 0.3.
 _DIGITS = 12
 
@@ -117,9 +115,7 @@ def _list(name: str, section: AxisSection, file: str, place: str) -> Axis:
     else:
         values = np.linspace(first, last, span.count)
     if first == last:
-        raise InputError(
-            "goes from a value to the same value", file=file, key=place, remedy="give values = [...]"
-        )
+        raise InputError("goes from a value to the same value", file=file, key=place, remedy="give values = [...]")
     return Axis(name, unit, tuple(_written(value, unit) for value in values), drawn=False)
 
 
@@ -183,9 +179,7 @@ def _numbers(values: Sequence[Number], file: str, place: str) -> tuple[list[floa
         numbers.append(float(level.number))
         units.add(unit)
     if len(units) > 1:
-        raise InputError(
-            "the two ends have different units", file=file, key=place, remedy="write both in one unit"
-        )
+        raise InputError("the two ends have different units", file=file, key=place, remedy="write both in one unit")
     return numbers, units.pop()
 
 

@@ -45,9 +45,7 @@ def local(jobs: int, plugin: Any) -> Iterator[Any]:
     }
     with (
         dask.config.set(settings),
-        tempfile.TemporaryDirectory(
-            prefix=f"{_SCRATCH}{os.getpid()}-", ignore_cleanup_errors=True
-        ) as scratch,
+        tempfile.TemporaryDirectory(prefix=f"{_SCRATCH}{os.getpid()}-", ignore_cleanup_errors=True) as scratch,
     ):
         cluster = start(
             n_workers=0,
@@ -104,9 +102,7 @@ class _Crew:
         """Wait for the first worker; OutputError where none ever starts."""
         while not client.nthreads():
             if self.failed > self.FAILURES * self.jobs:
-                raise OutputError(
-                    "no worker process starts on this machine: is it out of memory or processes?"
-                )
+                raise OutputError("no worker process starts on this machine: is it out of memory or processes?")
             time.sleep(0.05)
 
     def _mend(self) -> None:

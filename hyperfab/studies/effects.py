@@ -77,10 +77,7 @@ def _levels(table: Table, axis: Axis) -> tuple[list[float | str], list[NDArray[n
     if not few and any(isinstance(level.value, str) for level in axis.levels):
         return [], []  # names in their thousands have no order to be gathered by
     if few and not axis.drawn:
-        names = [
-            level.value if isinstance(level.value, (int, float)) else str(level.value)
-            for level in axis.levels
-        ]
+        names = [level.value if isinstance(level.value, (int, float)) else str(level.value) for level in axis.levels]
         return names, [np.array([cell == name for cell in column]) for name in names]
     values = np.array([float(cell) for cell in column])  # type: ignore[arg-type]
     edges = np.quantile(values, np.linspace(0.0, 1.0, CLASSES + 1))

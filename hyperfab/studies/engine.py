@@ -132,9 +132,7 @@ class Engine:
         self._batches += 1
         folder = str(self.store.folder.absolute())
         assert self.client is not None, "a step is to be run, and there is no worker"
-        future = self.client.submit(
-            run_steps, folder, self.runner, batch, key=f"steps-{self._batches}", pure=False
-        )
+        future = self.client.submit(run_steps, folder, self.runner, batch, key=f"steps-{self._batches}", pure=False)
         self._flying[future.key] = (future, batch)
         future.add_done_callback(self._arrived.put)
 

@@ -172,9 +172,7 @@ class Plan:
         """Return the name of an edited document: commands tell a model by its ending."""
         return name + os.path.splitext(self.study.document[name].source)[1]
 
-    def _edit(
-        self, name: str, texts: Mapping[str, str], numbers: Mapping[str, float | int | None]
-    ) -> dict[str, Any]:
+    def _edit(self, name: str, texts: Mapping[str, str], numbers: Mapping[str, float | int | None]) -> dict[str, Any]:
         section = self.study.document[name]
         document = copy.deepcopy(self._sources[name])
         place = f"document.{name}.set"

@@ -58,10 +58,7 @@ def collect(plan: Plan, store: Store, accidents: Mapping[str, Outcome]) -> Table
     names += [] if NUMBER in names else [NUMBER]  # last: what reads the table by place finds all where it was
     columns: dict[str, list[Cell]] = {name: [] for name in names}
     cache: dict[str, tuple[Outcome | None, dict[str, Cell]]] = {}
-    wanted = {
-        step.name: {n: key for n, (owner, key) in figures.items() if owner == step.name}
-        for step in study.step
-    }
+    wanted = {step.name: {n: key for n, (owner, key) in figures.items() if owner == step.name} for step in study.step}
     last: dict[str, str] = {}
     validity: list[tuple[str, Any]] = []
     for case in plan:

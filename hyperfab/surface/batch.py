@@ -35,9 +35,7 @@ def oriented_boxes(corners: Array, bounds: Array, right: Ints, start: Ints, coun
     """
     boxes = np.empty((len(right), 15))
     room = 2.0 * ROUNDING * float(np.abs(bounds[0]).max())
-    in_blocks(
-        lambda first, last: _fit(corners, bounds, start, count, room, boxes, first, last), len(right), 20_000
-    )
+    in_blocks(lambda first, last: _fit(corners, bounds, start, count, room, boxes, first, last), len(right), 20_000)
     return boxes
 
 

@@ -305,9 +305,7 @@ def _reciprocal(x: float) -> float:
 
 
 @part
-def _met(
-    bounds: Array, node: int, x: float, y: float, z: float, u: float, v: float, w: float, best: float
-) -> Any:
+def _met(bounds: Array, node: int, x: float, y: float, z: float, u: float, v: float, w: float, best: float) -> Any:
     """Where a ray from (x, y, z) enters a node's box, in its lengths; inf: nowhere, or beyond ``best``.
 
     (u, v, w) are the reciprocals of its direction, plus infinity for zero: where it runs in one of a box's planes, zero

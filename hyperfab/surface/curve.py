@@ -29,9 +29,7 @@ def along_a_curve(points: Array) -> Ints:
     span = float((high - low).max())
     scale = (2.0**BITS - 1.0) / span if span > 0.0 else 0.0
     points, places = np.ascontiguousarray(points), np.empty(len(points), np.int64)
-    in_blocks(
-        lambda first, last: _places(points[first:last], low, scale, places[first:last]), len(points), BLOCK
-    )
+    in_blocks(lambda first, last: _places(points[first:last], low, scale, places[first:last]), len(points), BLOCK)
     return _sorted(places)
 
 

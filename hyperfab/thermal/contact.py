@@ -15,9 +15,7 @@ class Contact:
     ``conductance`` [W/m^2/K]; ``closed`` against time scales it (1 closed, 0 open): a press that opens.
     """
 
-    def __init__(
-        self, name: str, near: FacetOperator, far: FacetOperator, conductance: float, closed: Table
-    ) -> None:
+    def __init__(self, name: str, near: FacetOperator, far: FacetOperator, conductance: float, closed: Table) -> None:
         self.name = name
         self.near = near
         self.far = far

@@ -65,9 +65,7 @@ def scale_for_warmup(wanted: float, warmup: Callable[[float], float | None]) -> 
         high_miss = miss(high)
         runs += 1
         if high > 1e3:
-            raise NotConverged(
-                "no power reaches the target in the wanted time", remedy="ask for a longer one"
-            )
+            raise NotConverged("no power reaches the target in the wanted time", remedy="ask for a longer one")
     best, best_miss, side = high, high_miss, 0
     while abs(best_miss) > TIME_TOLERANCE * rate and runs < MOST_RUNS:
         best = high - high_miss * (high - low) / (high_miss - low_miss)
@@ -82,9 +80,7 @@ def scale_for_warmup(wanted: float, warmup: Callable[[float], float | None]) -> 
             high_miss *= 0.5 if side < 0 else 1.0
             side = -1
     if abs(best_miss) > 100 * TIME_TOLERANCE * rate:
-        raise NotConverged(
-            "the power for the wanted warm-up time was not found", remedy="widen the tolerance"
-        )
+        raise NotConverged("the power for the wanted warm-up time was not found", remedy="widen the tolerance")
     return best, runs
 
 
@@ -112,9 +108,7 @@ def share_power(
     before = evenness(surface, temperature).spread
     for _ in range(MOST_ROUNDS):
         matrix = model.steady_matrix(0.0, temperature)
-        answers = np.stack(
-            [model.solve(matrix, heater.shape * model.free, 1e-8) for heater in heaters], axis=1
-        )
+        answers = np.stack([model.solve(matrix, heater.shape * model.free, 1e-8) for heater in heaters], axis=1)
         moved = _least_spread(
             temperature[nodes],
             answers[nodes],
@@ -133,9 +127,7 @@ def share_power(
     return Shared(powers, before, found.spread, found.mean)
 
 
-def _least_spread(
-    now: Array, answers: Array, powers: Array, most: float | None, row: Array, wanted: float
-) -> Array:
+def _least_spread(now: Array, answers: Array, powers: Array, most: float | None, row: Array, wanted: float) -> Array:
     """Return the change of the powers that makes max - min of ``now + answers change`` least, row . change = wanted."""
     from scipy.optimize import linprog  # 0.1 s to load: only a design needs it
 

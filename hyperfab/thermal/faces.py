@@ -121,9 +121,7 @@ class Faces:
         within = (self._centre >= low - self._tight) & (self._centre <= high + self._tight)
         mask &= within.all(axis=1)
         if not mask.any():
-            raise InputError(
-                f"no face of part {part!r} lies inside the box", remedy="move or enlarge the box"
-            )
+            raise InputError(f"no face of part {part!r} lies inside the box", remedy="move or enlarge the box")
         return FaceSet(f"{part} in a box", mask, flip)
 
     def interface(self, first: str, second: str) -> FaceSet:

@@ -70,9 +70,7 @@ class FacetOperator:
         area = np.array([weights[group].sum() for group in chosen])
         rows = np.repeat(np.arange(len(chosen)), [len(group) for group in chosen])
         points = np.concatenate([*chosen, np.zeros(0, np.int64)])
-        averaging = sparse.csr_matrix(
-            (weights[points] / area[rows], (rows, points)), shape=(len(chosen), len(weights))
-        )
+        averaging = sparse.csr_matrix((weights[points] / area[rows], (rows, points)), shape=(len(chosen), len(weights)))
         return sparse.csr_matrix(averaging @ self._to_points), area
 
     def matrices(self, density: Array) -> Array:

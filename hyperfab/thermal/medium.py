@@ -39,9 +39,7 @@ class Medium:
     ``loose`` (k,) [J/K] is the heat capacity of each loose node of the mesh.
     """
 
-    def __init__(
-        self, mesh: HeatMesh, materials: Sequence[ThermalMaterial], pattern: Pattern, loose: Array
-    ) -> None:
+    def __init__(self, mesh: HeatMesh, materials: Sequence[ThermalMaterial], pattern: Pattern, loose: Array) -> None:
         self.mesh = mesh
         self.materials = tuple(materials)
         self.pattern = pattern

@@ -123,15 +123,11 @@ def split_contacts(mesh: HeatMesh, contact: NDArray[np.bool_]) -> HeatMesh:
     graph = sparse.coo_matrix((np.ones(len(i), dtype=np.int8), (i, j)), shape=(10 * m, 10 * m)).tocsr()
     _, label = connected_components(graph, directed=False)
     is_vertex = np.tile(np.arange(10) < 4, m)
-    _, first, dense = np.unique(
-        np.where(is_vertex, 0, 10 * m) + label, return_index=True, return_inverse=True
-    )
+    _, first, dense = np.unique(np.where(is_vertex, 0, 10 * m) + label, return_index=True, return_inverse=True)
     elements = dense.reshape(m, 10).astype(np.int64)
     points = mesh.points[mesh.elements.ravel()[first]]
     vertices = int(is_vertex[first].sum())
-    return HeatMesh(
-        points, elements, mesh.parts, vertices, _edge_ends(elements, len(points), vertices), mesh.curved, f
-    )
+    return HeatMesh(points, elements, mesh.parts, vertices, _edge_ends(elements, len(points), vertices), mesh.curved, f)
 
 
 def _oriented(points: Array, elements: Ints) -> Ints:
@@ -160,9 +156,7 @@ def _edge_ends(elements: Ints, count: int, vertices: int) -> Ints:
     return np.sort(ends, axis=1)
 
 
-def _straightened(
-    points: Array, elements: Ints, edge_ends: Ints, vertices: int
-) -> tuple[Array, NDArray[np.bool_]]:
+def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int) -> tuple[Array, NDArray[np.bool_]]:
     """Move edge nodes back to the middle where a curved element would turn inside out."""
     middle = points[edge_ends].mean(axis=1)
     length = np.linalg.norm(points[edge_ends[:, 0]] - points[edge_ends[:, 1]], axis=1)

@@ -137,9 +137,7 @@ def mesh_surface(
         "grading": GRADING,
         "sizes": sizes.tolist(),
     }
-    with tempfile.TemporaryDirectory(
-        prefix="hf-mesh-"
-    ) as folder:  # here: a worker that is killed leaves nothing
+    with tempfile.TemporaryDirectory(prefix="hf-mesh-") as folder:  # here: a worker that is killed leaves nothing
         arrays = _ask(json.dumps({**job, "folder": folder}).encode(), patience, waiting)
     return arrays["vertices"], arrays["triangles"]
 
@@ -182,9 +180,7 @@ def _ask(
     return answer
 
 
-def _run(
-    job: bytes, limit: float, waiting: Callable[[float], None], take: Callable[[bytes], None]
-) -> int | None:
+def _run(job: bytes, limit: float, waiting: Callable[[float], None], take: Callable[[bytes], None]) -> int | None:
     """Run the worker, ``take`` each of its answers as it comes, and return its status.
 
     The status is None where it had to be stopped: after ``limit`` s of its own processor time, which a busy machine

@@ -247,9 +247,7 @@ class HeatModel:
         residual[~self.free] = 0.0
         return residual
 
-    def _stage_matrix(
-        self, stage: StageEquation, temperature: Array, *, anew: bool = False
-    ) -> sparse.csr_matrix:
+    def _stage_matrix(self, stage: StageEquation, temperature: Array, *, anew: bool = False) -> sparse.csr_matrix:
         """Return the matrix to start a stage with, and be ready to solve: the last one of this step, or made anew."""
         same = self._assembled == stage[1:]
         if not same or self.last_matrix is None or (anew and not self.linear):

@@ -67,16 +67,12 @@ class Neighbourhood:
         changes: Sequence[Change],
     ) -> None:
         self._model, self._history, self._stops = model, history, stops
-        self._times = [
-            time for k, time in enumerate(history.states.times) if stops or k == 0 or k != history.reached
-        ]
+        self._times = [time for k, time in enumerate(history.states.times) if stops or k == 0 or k != history.reached]
         self._jumps = {history.states.times[k] for k in history.jumps}
         last = history.states[-1]
         uniform = len({material.name for material in model.materials}) == 1
         touched = {name for change in changes for name in (*change.conductivity, *change.capacity)}
-        self._media = {
-            name: model.medium if uniform else _of_material(model, name) for name in sorted(touched)
-        }
+        self._media = {name: model.medium if uniform else _of_material(model, name) for name in sorted(touched)}
         alike = Alike([last.temperature, *examples(history.states)])
         self.lift = Lift(last.temperature, self._basis(last.time, changes), alike)
         self._base = ProjectedModel(model, self.lift, last.time)
@@ -85,14 +81,10 @@ class Neighbourhood:
             for name, medium in self._media.items()
         }
         self._spreads = {
-            number: Face(_spread(model, number), self.lift, last.time)
-            for change in changes
-            for number in change.film
+            number: Face(_spread(model, number), self.lift, last.time) for change in changes for number in change.film
         }
         self._start = self._coordinates(history.states[0].temperature - last.temperature)
-        self._warmer = {
-            part: self._coordinates(self._began(part)) for change in changes for part in change.start
-        }
+        self._warmer = {part: self._coordinates(self._began(part)) for change in changes for part in change.start}
         self._target = target
         if target is not None:
             row, at_origin = self.lift.sensor(target.sensor)
@@ -118,11 +110,7 @@ class Neighbourhood:
             while state.time < time:
                 step = take_step(model, state, time - state.time, estimate=False)
                 waiting = target is not None and history.reached is None
-                hit = (
-                    waiting
-                    and target is not None
-                    and dot(target.sensor, step.state.temperature) >= target.value
-                )
+                hit = waiting and target is not None and dot(target.sensor, step.state.temperature) >= target.value
                 if hit and target is not None:
                     watched = target
                     step = shortened(model, state, step, lambda x: dot(watched.sensor, x) - watched.value)  # noqa: B023
@@ -163,9 +151,7 @@ class Neighbourhood:
         """Return by how much the start of each node (n,) follows that of a part."""
         solid = self._model.mesh.solid
         found = np.zeros(self._model.size)
-        found[:solid] = self._model.medium.joined(
-            np.eye(len(self._model.materials))[part] + np.zeros((solid, 1))
-        )
+        found[:solid] = self._model.medium.joined(np.eye(len(self._model.materials))[part] + np.zeros((solid, 1)))
         return found
 
     def _coordinates(self, nodal: Array) -> Array:

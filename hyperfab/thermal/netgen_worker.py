@@ -153,9 +153,7 @@ def _union(occ: Any, shapes: list[dict[str, Any]]) -> Any:
 
 
 def _shape(occ: Any, shape: dict[str, Any]) -> Any:
-    return {"box": _box, "cylinder": _cylinder, "ellipsoid": _ellipsoid, "stl": _stl}[shape["kind"]](
-        occ, shape
-    )
+    return {"box": _box, "cylinder": _cylinder, "ellipsoid": _ellipsoid, "stl": _stl}[shape["kind"]](occ, shape)
 
 
 def _box(occ: Any, shape: dict[str, Any]) -> Any:

@@ -93,7 +93,5 @@ def _general(density: float, conductivity: float, specific_heat: float) -> list[
             "the handbook has 1.4 to 4 for metals"
         ]
     if specific_heat > 15000.0 or specific_heat < 50.0:
-        return [
-            f"specific heat {specific_heat:g} J/kg/K: no solid in the handbook is below 100 or above 5000"
-        ]
+        return [f"specific heat {specific_heat:g} J/kg/K: no solid in the handbook is below 100 or above 5000"]
     return []

@@ -121,29 +121,23 @@ class ProjectedModel:
 
     prescribed: Sequence[Prescribed] = ()
 
-    def __init__(
-        self, model: HeatModel, lift: Lift, time: float, narrow: ProjectedModel | None = None
-    ) -> None:
+    def __init__(self, model: HeatModel, lift: Lift, time: float, narrow: ProjectedModel | None = None) -> None:
         self.lift = lift
         self.full = model
         basis, origin = lift.basis, lift.origin
         found = [project(condition, lift, time) for condition in model.conditions]
         self.conditions: list[Projected] = [condition for condition in found if condition is not None]
-        self.medium: ProjectedMedium = ProjectedMedium.of(
-            model.medium, lift, None if narrow is None else narrow.medium
-        )
+        self.medium: ProjectedMedium = ProjectedMedium.of(model.medium, lift, None if narrow is None else narrow.medium)
         self.free = np.ones(len(self.mass), dtype=bool)
         self.last_matrix: tuple[Array, Array] | None = None
         self._factorised_for = (0.0, 0.0)
         self._tangent: Array | None = None
         capacity = model.pattern.matrix(model.medium.capacity(origin))
         shapes = [heater.shape / model.lumped_capacity for heater in model.heaters]
-        self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(
-            -1, len(self.mass)
+        self._shapes = np.array([heater.shape @ basis for heater in model.heaters]).reshape(-1, len(self.mass))
+        self._speeds = np.array([[float(one @ (capacity @ other)) for other in shapes] for one in shapes]).reshape(
+            len(shapes), len(shapes)
         )
-        self._speeds = np.array(
-            [[float(one @ (capacity @ other)) for other in shapes] for one in shapes]
-        ).reshape(len(shapes), len(shapes))
 
     def changed_to(self, medium: ProjectedMedium, conditions: Sequence[Projected]) -> Self:
         """Return the mold with another medium and other conditions on the same basis."""
@@ -213,9 +207,7 @@ class ProjectedModel:
             before = moved
         raise NotConverged(f"the reduced mold at {time:.6g} s did not settle", remedy="set reduced = false")
 
-    def _factor(
-        self, time: float, interval: float, coordinates: Array, storage: float
-    ) -> tuple[Array, Array]:
+    def _factor(self, time: float, interval: float, coordinates: Array, storage: float) -> tuple[Array, Array]:
         if self._tangent is None:
             self._tangent = np.asarray(sum(one.tangent(time, coordinates) for one in self.conditions))
         matrix = storage * self.mass + interval * (self.medium.conduction + self._tangent)

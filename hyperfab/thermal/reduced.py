@@ -78,9 +78,7 @@ class ReducedMold:
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
         under = Film(self.bench.rows, self.bench.weights, Table.constant(0.0), self.surroundings)
         faces = [*self.films, *self.radiators, *self.held, under]
-        holds = np.array(
-            [*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False]
-        )
+        holds = np.array([*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False])
         rows = np.ascontiguousarray(np.concatenate([face.rows for face in faces]))
         weights = np.concatenate([face.weights for face in faces])
         owner = np.repeat(np.arange(len(faces)), [len(face.weights) for face in faces])
@@ -91,10 +89,7 @@ class ReducedMold:
         sources = np.array([shape for shape, _ in self.heaters]).reshape(-1, len(self.start))
         jumps = np.array([jump for jump, _ in self.joints]).reshape(-1, *self.mass[0].shape)
         powers, closed = (
-            np.array([table(stages) for _, table in each])
-            .reshape(-1, *stages.shape)
-            .transpose(1, 2, 0)
-            .copy()
+            np.array([table(stages) for _, table in each]).reshape(-1, *stages.shape).transpose(1, 2, 0).copy()
             for each in (self.heaters, self.joints)
         )
         emits = np.array([face.emissivity for face in faces])
@@ -111,9 +106,7 @@ class ReducedMold:
             grey = emits.copy()
             grey[:count] += emissivity
             areas = weights.copy()
-            areas[below] *= self.bench.uneven(
-                settings.of(i, "bench_from_middle", "bench_along_x", "bench_along_y")
-            )
+            areas[below] *= self.bench.uneven(settings.of(i, "bench_from_middle", "bench_along_x", "bench_along_y"))
             numbers = Numbers(*map(float, settings.of(i, *Numbers._fields)))
             drift = settings.air_K(i, stages)
             parts = Parts(
@@ -223,9 +216,7 @@ def reduce(
         films=[_face(c.facets, basis, c.film, c.ambient) for c in films],
         radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
         held=[_face(c.facets, basis, Table.constant(0.0), c.ambient) for c in held],
-        bench=empty
-        if bench is None
-        else patch(bench.at_points_of(basis), bench.weights.ravel(), points(bench)),
+        bench=empty if bench is None else patch(bench.at_points_of(basis), bench.weights.ravel(), points(bench)),
         surroundings=ambient,
         heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
         joints=[(jump(c), c.closed) for c in joints],
@@ -307,9 +298,7 @@ def _changes(model: HeatModel) -> Array:
     if all(table.is_constant for kind in tables for table in kind):
         return np.ones((2, len(model.materials), 1, 2))
     at = np.unique(np.concatenate([table.x for kind in tables for table in kind]))
-    return np.array(
-        [[np.column_stack([at, table(at) / table.at(50.0)]) for table in kind] for kind in tables]
-    )
+    return np.array([[np.column_stack([at, table(at) / table.at(50.0)]) for table in kind] for kind in tables])
 
 
 def _basis(
@@ -327,9 +316,7 @@ def _basis(
     if bench is not None:
         loads.append(bench.load(1.0))
     parts = [
-        (np.bincount(model.mesh.elements[model.mesh.parts == part].ravel(), minlength=model.size) > 0).astype(
-            float
-        )
+        (np.bincount(model.mesh.elements[model.mesh.parts == part].ravel(), minlength=model.size) > 0).astype(float)
         for part in range(len(model.materials))
     ]
     found = [np.ones(model.size), start, *parts]

@@ -185,9 +185,7 @@ def _curved(vertices: Array, triangles: Ints, onto: Surface) -> Surface:
     place = {pair: number for number, pair in enumerate(grid)}
     b, c = np.array(grid).T / PIECES
     a = 1.0 - b - c
-    values = np.stack(
-        [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a], axis=1
-    )
+    values = np.stack([a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a], axis=1)
     small = []
     for i, j in grid:
         if i + j < PIECES:

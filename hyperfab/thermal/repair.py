@@ -107,9 +107,7 @@ def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
     surface = Surface(vertices, triangles)
     t, hit = surface.ray(start + THROUGH * way, (1.0 - 2.0 * THROUGH) * way)
     near = np.flatnonzero((hit >= 0) & (t < 1.0))
-    apart = ~(triangles[hit[near]][:, :, None] == np.stack([tail[near], head[near]], axis=1)[:, None]).any(
-        (1, 2)
-    )
+    apart = ~(triangles[hit[near]][:, :, None] == np.stack([tail[near], head[near]], axis=1)[:, None]).any((1, 2))
     near = near[apart]
     first, normal = vertices[triangles[hit[near], 0]], surface.normals[hit[near]]
     deep = [np.abs(np.einsum("ij,ij->i", vertices[ends[near]] - first, normal)) for ends in (tail, head)]
@@ -180,16 +178,12 @@ def _used(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     return vertices[used], small.reshape(-1, 3).astype(np.int64)
 
 
-def _welded(
-    vertices: Array, triangles: Ints, distance: float, where: NDArray[np.bool_]
-) -> tuple[Array, Ints, float]:
+def _welded(vertices: Array, triangles: Ints, distance: float, where: NDArray[np.bool_]) -> tuple[Array, Ints, float]:
     """Make one of the vertices ``where`` that are chained by steps of ``distance``."""
     if distance > 0.0:
         chosen = np.flatnonzero(where)
         pairs = chosen[cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")]
-        graph = sparse.coo_matrix(
-            (np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices),) * 2
-        )
+        graph = sparse.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices),) * 2)
         count, label = connected_components(graph, directed=False)
         weight = np.bincount(label, minlength=count)
         points = np.stack([np.bincount(label, vertices[:, i], count) / weight for i in range(3)], axis=1)
@@ -206,15 +200,11 @@ def _welded(
 def _said(distance: float, moved: float, dropped: int, strayed: float, split: int) -> list[str]:
     notes = []
     if moved > 0.0:
-        notes.append(
-            f"corners closer than {distance:.2g} mm were welded; none moved more than {moved:.2g} mm"
-        )
+        notes.append(f"corners closer than {distance:.2g} mm were welded; none moved more than {moved:.2g} mm")
     if dropped:
         notes.append(f"{dropped} facets without area or doubled were left out")
     if split:
-        notes.append(
-            f"{split} edges were split at the corners that lie on them, {strayed:.2g} mm away at most"
-        )
+        notes.append(f"{split} edges were split at the corners that lie on them, {strayed:.2g} mm away at most")
     return notes
 
 

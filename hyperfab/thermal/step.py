@@ -190,9 +190,7 @@ def along(rise: Any, begin: Any, end: Any, share: Any) -> tuple[Any, Any]:
     """
     rest = 1.0 - share
     risen = rise * share**2 * (1.0 + 2.0 * rest) + begin * share * rest**2 - end * share**2 * rest
-    slope = (
-        6.0 * rise * share * rest + begin * rest * (1.0 - 3.0 * share) + end * share * (share - 2.0 * rest)
-    )
+    slope = 6.0 * rise * share * rest + begin * rest * (1.0 - 3.0 * share) + end * share * (share - 2.0 * rest)
     return risen, slope
 
 

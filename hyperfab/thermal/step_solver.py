@@ -137,9 +137,7 @@ class StepSolver:
         conduction = self.medium.pattern.matrix(self.medium.conduction(np.zeros(len(self.free))))
         return largest_eigenvalue(conduction, self.free / self.capacity)
 
-    def _coarse_solver(
-        self, stage: StageEquation, temperature: Array, matrix: sparse.csr_matrix
-    ) -> Preconditioner:
+    def _coarse_solver(self, stage: StageEquation, temperature: Array, matrix: sparse.csr_matrix) -> Preconditioner:
         if self.direct:
             return Direct(matrix, self.free)
         if self.medium.linear:  # what conducts and stores is taken to the coarse space once

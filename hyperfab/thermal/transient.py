@@ -64,9 +64,7 @@ def run(
     Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
     """
     state = initial_state(model, 0.0, start)
-    history = History(
-        Trail([state]), Ledger.begin(model, model.total(state.stored), [r.name for r in renewals])
-    )
+    history = History(Trail([state]), Ledger.begin(model, model.total(state.stored), [r.name for r in renewals]))
     held = model.hold(0.0, start)  # what thermostats and the target meet first: held places jump at once
     for thermostat in thermostats:
         thermostat.heater.on = True
@@ -114,11 +112,7 @@ def run(
             following = min(following, _length_after_jump(view.model, before, state, schedule, following))
             if shortcut is not None:
                 view, state = shortcut.turn(history, view, state, following)
-        if (
-            end is None
-            and target is not None
-            and _never(history, target, model.total_capacity(state.temperature))
-        ):
+        if end is None and target is not None and _never(history, target, model.total_capacity(state.temperature)):
             history.settled = True
             break
         length = following
@@ -168,9 +162,7 @@ def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:
     return min(guess, (LONGEST if schedule.until is None else schedule.until) / 20)
 
 
-def _length_after_jump(
-    model: Model, before: Array, state: State, schedule: Schedule, following: float
-) -> float:
+def _length_after_jump(model: Model, before: Array, state: State, schedule: Schedule, following: float) -> float:
     speed = model.speed(state.rate - before)
     return 10.0 * schedule.tolerance / speed if speed > 0 else following
 
@@ -194,9 +186,7 @@ def _accepted(model: Model, state: State, length: float, tolerance: float) -> tu
         length *= min(_factor(step.error, tolerance), 0.9)
         if length <= 1e-12 * max(state.time, 1e-6):
             break
-    raise NotConverged(
-        f"the time step at {state.time:.6g} s falls below any use", remedy="check tables for jumps"
-    )
+    raise NotConverged(f"the time step at {state.time:.6g} s falls below any use", remedy="check tables for jumps")
 
 
 def _factor(error: float, tolerance: float) -> float:
@@ -205,9 +195,7 @@ def _factor(error: float, tolerance: float) -> float:
     return float(np.clip(SAFETY * (tolerance / error) ** (1.0 / ORDER), LEAST_FACTOR, GREATEST_FACTOR))
 
 
-def _stop_at_event(
-    view: View, start: State, step: Step, waiting: bool
-) -> tuple[Step, list[Thermostat], bool]:
+def _stop_at_event(view: View, start: State, step: Step, waiting: bool) -> tuple[Step, list[Thermostat], bool]:
     """Shorten the step to the first event inside it: thermostats that switch, or the target reached."""
     model, target, thermostats = view.model, view.target, view.thermostats
     due = False

@@ -181,10 +181,7 @@ def test_a_tolerance_goes_through_words_and_documents_and_leaves_the_numbers_as_
         assert again.setup({})["tolerances"] == found
     bare = options.read(
         cls,
-        [
-            word.split("±")[0].split("+-")[0] if "x 18cm" not in word else "200mmx18cm"
-            for word in LEAST[command] + more
-        ],
+        [word.split("±")[0].split("+-")[0] if "x 18cm" not in word else "200mmx18cm" for word in LEAST[command] + more],
     )
     assert bare.setup({}) == setup
 

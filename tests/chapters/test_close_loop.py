@@ -286,9 +286,7 @@ def test_elastomer_shows_rate_and_temperature(hf: Run, tmp_path: Path, data_dir:
     assert found["error"]["after"]["nrmse"] < 0.05
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"), [("1,0\n1.2,0.1\n1.3,0.15\n", "too few rows"), (FLAT, "in all 20 rows")]
-)
+@pytest.mark.parametrize(("rows", "words"), [("1,0\n1.2,0.1\n1.3,0.15\n", "too few rows"), (FLAT, "in all 20 rows")])
 def test_curves_without_information_are_refused(hf: Run, tmp_path: Path, rows: str, words: str) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))
     (tmp_path / "c.csv").write_text("# test: uniaxial\nstretch [-],stress [MPa]\n" + rows)
@@ -318,9 +316,7 @@ def test_sensors_of_two_heated_bodies_lag(hf: Run, tmp_path: Path, data_dir: Pat
 
 
 def test_the_axes_of_a_general_biaxial_test_are_across_each_other(tmp_path: Path) -> None:
-    rows = "".join(
-        f"{1 + 0.01 * i:.6g},{0.01 * i:.6g},{1 + 0.005 * i:.6g},{0.008 * i:.6g}\n" for i in range(9)
-    )
+    rows = "".join(f"{1 + 0.01 * i:.6g},{0.01 * i:.6g},{1 + 0.005 * i:.6g},{0.008 * i:.6g}\n" for i in range(9))
     head = "# test: biaxial-general\nstretch,stress [MPa],stretch 2,stress 2 [MPa]\n"
     (tmp_path / "both.csv").write_text(head + rows)
     measured = read_measured(Job("close-loop", [], Console(True)), [str(tmp_path / "both.csv")], None, None)

@@ -56,9 +56,7 @@ def test_threads_that_stiffen_each_in_their_own_way_are_found(hf: Run, tmp_path:
         stress = strip(sheet, angle, stretch).stress * (1.0 + 2e-3 * np.cos(37.0 * stretch + angle))
         rows = "".join(f"{a:.6g},{b:.6g}\n" for a, b in zip(stretch, stress, strict=True))
         files += ["--measured", f"{angle:g}.csv"]
-        (tmp_path / files[-1]).write_text(
-            f"# test: uniaxial\n# direction: {angle:g}\nstretch,stress [MPa]\n{rows}"
-        )
+        (tmp_path / files[-1]).write_text(f"# test: uniaxial\n# direction: {angle:g}\nstretch,stress [MPa]\n{rows}")
     (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
     found = json.loads(hf("close-loop", "cloth.json", *files, cwd=tmp_path).stdout)
     assert [(one["id"], one["form"]) for one in found["effects"]] == [("anisotropy", "threads-each")]
@@ -67,9 +65,7 @@ def test_threads_that_stiffen_each_in_their_own_way_are_found(hf: Run, tmp_path:
 
 
 @pytest.mark.slow
-def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(
-    hf: Run, tmp_path: Path
-) -> None:
+def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(hf: Run, tmp_path: Path) -> None:
     measured, held = write(tmp_path, (0.0, 45.0, 90.0)), write(tmp_path, (30.0, 60.0))
     (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
     arguments = ["close-loop", "cloth.json"]
@@ -100,13 +96,9 @@ def test_a_laminate_cut_at_four_angles_shows_its_threads(
     hf: Run, tmp_path: Path, data_dir: Path, angles: tuple[int, ...]
 ) -> None:
     (tmp_path / "cloth.json").write_text(json.dumps(MODEL))
-    files = {
-        angle: data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv" for angle in (0, 15, 30, 45, 60, 75, 90)
-    }
+    files = {angle: data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv" for angle in (0, 15, 30, 45, 60, 75, 90)}
     words = [
-        word
-        for angle, file in files.items()
-        for word in ("--measured" if angle in angles else "--hold-out", file)
+        word for angle, file in files.items() for word in ("--measured" if angle in angles else "--hold-out", file)
     ]
     found = json.loads(hf("close-loop", "cloth.json", *words, cwd=tmp_path).stdout)
     assert found["effects"][0]["id"] == "anisotropy"

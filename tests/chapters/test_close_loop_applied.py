@@ -69,9 +69,7 @@ def quiet(command: str) -> Job:
     return Job(command, [], Console(True))
 
 
-@pytest.mark.parametrize(
-    "given", [[], ["--prestretch", "1.02x1.03", "--mass", "200g/m^2", "--shear-modulus", "20kPa"]]
-)
+@pytest.mark.parametrize("given", [[], ["--prestretch", "1.02x1.03", "--mass", "200g/m^2", "--shear-modulus", "20kPa"]])
 @pytest.mark.parametrize(
     "settings",
     [
@@ -116,9 +114,7 @@ def test_every_constant_has_its_place_in_the_set_up() -> None:
 
 
 @pytest.mark.parametrize("settings", [{}, *settings_of(CONTACT)], ids=lambda one: "+".join(one) or "none")
-def test_a_punched_sheet_with_effects_is_the_one_that_is_written(
-    folder: Path, settings: dict[str, float]
-) -> None:
+def test_a_punched_sheet_with_effects_is_the_one_that_is_written(folder: Path, settings: dict[str, float]) -> None:
     case = options.read(
         ContactCase,
         [

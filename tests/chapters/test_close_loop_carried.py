@@ -61,9 +61,7 @@ def fabric(weft: float) -> dict[str, object]:
 
 
 @pytest.mark.slow
-def test_two_directions_found_on_the_testing_machine_are_felt_by_the_drape(
-    hf: Run, tmp_path: Path, root: Path
-) -> None:
+def test_two_directions_found_on_the_testing_machine_are_felt_by_the_drape(hf: Run, tmp_path: Path, root: Path) -> None:
     (tmp_path / "cup.stl").write_bytes((root / "molds" / "cup-male.stl").read_bytes())
     truth = fabric(0.4)
     plain = {key: value for key, value in truth.items() if key != "directions"}
@@ -113,17 +111,13 @@ def test_radiation_found_on_thermocouples_is_felt_by_mold_heat(hf: Run, tmp_path
     sky = '[[radiation]]\non = "exposed"\nemissivity = 0.9\nambient = "25 degC"\n'
     clean = thermocouples(hf, tmp_path, MOLD.replace("CONDITIONS", HEATER + sky))
     (tmp_path / "plain.toml").write_text(MOLD.replace("CONDITIONS", HEATER))
-    done = hf(
-        "close-loop", "plain.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900
-    )
+    done = hf("close-loop", "plain.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900)
     assert done.returncode == 0, done.stderr.decode()
     found = json.loads((tmp_path / "loop.json").read_text())
     assert [effect["id"] for effect in found["effects"]] == ["radiation"]
     misfit = {}
     for name in ("plain", "loop.model"):
-        assert (
-            hf("mold-heat", f"{name}.toml", "-o", f"{name}.json", cwd=tmp_path, timeout=300).returncode == 0
-        )
+        assert hf("mold-heat", f"{name}.toml", "-o", f"{name}.json", cwd=tmp_path, timeout=300).returncode == 0
         misfit[name] = float(np.sqrt(np.mean((resampled(tmp_path / f"{name}.csv") - clean)[:, 1:] ** 2)))
     assert misfit["plain"] > 5.0
     assert misfit["loop.model"] < 0.5
@@ -134,9 +128,7 @@ def test_a_joint_is_found_in_a_mold_on_a_bath_of_given_temperature(hf: Run, tmp_
     joint = '[[contact]]\nbetween = ["plate", "block"]\nh = "400 W/m^2/K"\n'
     thermocouples(hf, tmp_path, MOLD.replace("CONDITIONS", BATH + joint))
     (tmp_path / "plain.toml").write_text(MOLD.replace("CONDITIONS", BATH))
-    done = hf(
-        "close-loop", "plain.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900
-    )
+    done = hf("close-loop", "plain.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900)
     assert done.returncode == 0, done.stderr.decode()
     found = json.loads((tmp_path / "loop.json").read_text())
     assert [effect["id"] for effect in found["effects"]] == ["contact-resistance"]
@@ -160,11 +152,7 @@ def test_an_extended_model_says_nothing_of_the_old_constants_and_carries_the_ran
         cwd=tmp_path,
     )
     assert first.returncode == 0, first.stderr.decode()
-    files = [
-        word
-        for name in ("warp-23C", "weft-23C", "warp-80C")
-        for word in ("--measured", samples / f"{name}.csv")
-    ]
+    files = [word for name in ("warp-23C", "weft-23C", "warp-80C") for word in ("--measured", samples / f"{name}.csv")]
     done = hf("close-loop", "warp.json", *files, "-o", "loop.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr.decode()
     model = json.loads((tmp_path / "loop.model.json").read_text())
@@ -187,9 +175,7 @@ def test_an_extended_model_says_nothing_of_the_old_constants_and_carries_the_ran
     assert abs(low - 23.0) < 1.0
     assert abs(high - 80.0) < 1.0
     reach = json.loads((tmp_path / "warp.json").read_text())["tested"]["uniaxial"]["stretch"]
-    assert model["directions"]["weft"]["tested"]["uniaxial"]["stretch"][1] == pytest.approx(
-        reach[1], rel=0.05
-    )
+    assert model["directions"]["weft"]["tested"]["uniaxial"]["stretch"][1] == pytest.approx(reach[1], rel=0.05)
     # How sure the effects are goes with them, and on from there.
     told = json.loads((tmp_path / "loop.json").read_text())["effects"]
     assert len(told) == len(model["effects"]) > 0

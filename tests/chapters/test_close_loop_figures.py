@@ -30,12 +30,8 @@ def test_errors_are_those_of_their_definitions() -> None:
         assert part.nrmse == pytest.approx(rms / measured.max(), rel=1e-12)
         each = [math.sqrt(float(np.mean(raw[rows] ** 2))) / measured[rows].max() for rows in curves]
         assert part.nrmse_of_tests == pytest.approx(sum(each) / 2.0, rel=1e-12)
-    assert found.before.chi2_reduced == pytest.approx(
-        float(np.mean(((measured - before) / sd) ** 2)), rel=1e-12
-    )
-    assert found.after.chi2_reduced == pytest.approx(
-        float(np.mean(((measured - after) / sd) ** 2)), rel=1e-12
-    )
+    assert found.before.chi2_reduced == pytest.approx(float(np.mean(((measured - before) / sd) ** 2)), rel=1e-12)
+    assert found.after.chi2_reduced == pytest.approx(float(np.mean(((measured - after) / sd) ** 2)), rel=1e-12)
     assert found.noise.chi2_reduced == 1.0
     # Of one test there is no mean over tests; the scatter of specimens counts as noise where it is told.
     alone = errors_of(measured, before, after, sd, "MPa", spread=2.0 * sd, curves=curves[:1])
@@ -94,9 +90,7 @@ def test_the_error_before_and_after(warmed) -> None:
     given = math.sqrt(float(np.mean((flat - 0.2 * column) ** 2)))
     assert before["rms"] == pytest.approx(rms, rel=0.01) or before["rms"] == pytest.approx(given, rel=1e-6)
     assert before["nrmse"] == pytest.approx(before["rms"] / flat.max(), rel=1e-9)
-    assert before["relative_rms"] == pytest.approx(
-        before["rms"] / math.sqrt(float(np.mean(flat**2))), rel=1e-9
-    )
+    assert before["relative_rms"] == pytest.approx(before["rms"] / math.sqrt(float(np.mean(flat**2))), rel=1e-9)
     # 90 readings less two constants: within three deviations of chi-squared.
     assert after["rms"] == pytest.approx(SD, rel=3.0 / math.sqrt(2.0 * 88.0))
     assert after["chi2_reduced"] == pytest.approx((after["rms"] / SD) ** 2, rel=0.05)

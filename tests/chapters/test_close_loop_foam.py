@@ -77,9 +77,7 @@ def closed(hf: Run, folder: Path, model: str, given: dict[str, float], hot: floa
     (folder / "m.json").write_text(json.dumps(document))
     done = hf("close-loop", "m.json", *files_of(folder, hot), "-o", "loop.json", cwd=folder, timeout=400)
     assert done.returncode == 0, done.stderr.decode()
-    return json.loads((folder / "loop.json").read_text()), json.loads(
-        (folder / "loop.model.json").read_text()
-    )
+    return json.loads((folder / "loop.json").read_text()), json.loads((folder / "loop.model.json").read_text())
 
 
 @pytest.fixture(scope="module")
@@ -126,9 +124,7 @@ def test_the_written_foam_answers_as_the_loop_foretold(richer: tuple[Path, dict,
 
 def test_a_volumetric_test_is_left_out(hf: Run, tmp_path: Path) -> None:
     """The fit of a foam takes it, the loop knows no way that a specimen is led in it."""
-    (tmp_path / "v.csv").write_text(
-        "# test: volumetric\nvolume ratio,stress [MPa]\n0.9,-0.01\n0.8,-0.02\n0.7,-0.04\n"
-    )
+    (tmp_path / "v.csv").write_text("# test: volumetric\nvolume ratio,stress [MPa]\n0.9,-0.01\n0.8,-0.02\n0.7,-0.04\n")
     stretch = np.linspace(0.95, 0.6, 12)
     rows = "".join(f"{l:.6f},{s:.8f}\n" for l, s in zip(stretch, pushed(stretch, np.ones(12)), strict=True))
     (tmp_path / "c.csv").write_text(f"# test: confined-compression\nstretch,stress [MPa]\n{rows}")
@@ -162,6 +158,4 @@ def test_a_measured_foam_comes_to_an_honest_end(name: str, data_dir: Path, hf: R
     found = json.loads((tmp_path / "loop.json").read_text())
     assert done.returncode == (1 if found["verdict"] == "unexplained" else 0)
     assert found["error"]["after"]["nrmse"] <= found["error"]["before"]["nrmse"]
-    FabricDocument(
-        MaterialDocument.model_validate_json((tmp_path / "loop.model.json").read_text()), "m"
-    ).foams()
+    FabricDocument(MaterialDocument.model_validate_json((tmp_path / "loop.model.json").read_text()), "m").foams()

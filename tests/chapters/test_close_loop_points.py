@@ -78,9 +78,7 @@ def test_tilt_of_a_press_is_found_and_the_extended_press_lacks_nothing(press: Pa
     done = hf("close-loop", "press.json", "--measured", "film.csv", "-o", "loop.json", cwd=press)
     assert done.returncode == 0, done.stderr.decode()
     document = closed(press, "press")
-    named = {one["id"] for one in document["effects"]} | {
-        i for one in document["indistinguishable"] for i in one
-    }  # type: ignore[attr-defined]
+    named = {one["id"] for one in document["effects"]} | {i for one in document["indistinguishable"] for i in one}  # type: ignore[attr-defined]
     assert "tilt" in named
     [strain] = document["validity"]  # type: ignore[misc]
     assert (strain["of"], strain["from"]) == ("strain", "foam.toml")  # type: ignore[index]
@@ -185,9 +183,7 @@ def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.Mon
         read_press(job, "warming.csv", None)
 
 
-def test_rows_that_stand_twice_are_read_once_and_counted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A block pasted twice is no set of repeats without noise; films laid in again are repeats, though some agree."""
     monkeypatch.chdir(tmp_path)
     rng, job = np.random.default_rng(2), Job("close-loop", [], Console(True))
@@ -249,13 +245,9 @@ def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: py
 
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:
     film(press, ())
-    done = hf(
-        "close-loop", "press.json", "--measured", "film.csv", "--noise", "2 N", "-o", "x.json", cwd=press
-    )
+    done = hf("close-loop", "press.json", "--measured", "film.csv", "--noise", "2 N", "-o", "x.json", cwd=press)
     assert done.returncode == 2
-    done = hf(
-        "close-loop", "press.json", "--measured", "film.csv", "--noise", "2 K", "-o", "x.json", cwd=press
-    )
+    done = hf("close-loop", "press.json", "--measured", "film.csv", "--noise", "2 K", "-o", "x.json", cwd=press)
     assert done.returncode == 2
 
 

@@ -38,10 +38,7 @@ EVERY = 0.0, 15.0, 30.0, 60.0, 75.0, 90.0
 def pulled(*angles: float) -> Measured:
     lam = np.linspace(1.0, 1.25, 14)
     return Measured(
-        [
-            TestCurve("uniaxial", lam, lam - 1.0, stretch2=lam**-0.4, direction=a, source=f"{a:g}")
-            for a in angles
-        ],
+        [TestCurve("uniaxial", lam, lam - 1.0, stretch2=lam**-0.4, direction=a, source=f"{a:g}") for a in angles],
         "MPa",
     )
 
@@ -55,18 +52,12 @@ def values(problem: FabricProblem) -> np.ndarray:
     return np.array([constant.value for constant in problem.own])
 
 
-def written(
-    document: MaterialDocument, problem: FabricProblem, x: np.ndarray, **terms: Any
-) -> MaterialDocument:
-    fit: Any = SimpleNamespace(
-        x=np.concatenate([x, *(v for _, v in terms.values())]), own=len(x), terms=terms
-    )
+def written(document: MaterialDocument, problem: FabricProblem, x: np.ndarray, **terms: Any) -> MaterialDocument:
+    fit: Any = SimpleNamespace(x=np.concatenate([x, *(v for _, v in terms.values())]), own=len(x), terms=terms)
     return extend(document, problem, fit, problem.law)
 
 
-@pytest.mark.parametrize(
-    "constants", [WOVEN, KNIT, {"C10_MPa": 0.1, "C2_MPa": 0.02}], ids=["woven", "knit", "none"]
-)
+@pytest.mark.parametrize("constants", [WOVEN, KNIT, {"C10_MPa": 0.1, "C2_MPa": 0.02}], ids=["woven", "knit", "none"])
 def test_what_the_loop_computes_is_the_energy_of_the_sheet(constants: dict[str, float]) -> None:
     document = MaterialDocument(model="orthotropic", parameters=constants)
     problem = posed(document, 0.0, 30.0, 90.0)[1]
@@ -104,10 +95,7 @@ def test_a_volume_that_changes_is_a_constant_of_the_sheet() -> None:
 
 
 def test_what_the_tests_behind_it_left_open_is_sought_where_these_tell_it() -> None:
-    open_ = [
-        Undetermined(constant=name, value=0.0, test="a pull at 45 degrees")
-        for name in ("G_MPa", "k1_bias_MPa")
-    ]
+    open_ = [Undetermined(constant=name, value=0.0, test="a pull at 45 degrees") for name in ("G_MPa", "k1_bias_MPa")]
     document = MaterialDocument(model="orthotropic", parameters={**WOVEN, "G_MPa": 0.0}, undetermined=open_)
     free = {one.name for one in posed(document, 0.0, 30.0, 60.0, 90.0)[1].own if one.low < one.high}
     assert "anisotropy G_MPa" in free

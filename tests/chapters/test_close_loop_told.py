@@ -71,9 +71,7 @@ def closed(
 ) -> tuple[dict[str, Any], str]:
     words = [word for name in files for word in ("--measured", name)]
     done = hf("close-loop", "m.json", *words, *more, cwd=folder)
-    assert done.returncode == status if status is not None else done.returncode in (0, 1), (
-        done.stderr.decode()
-    )
+    assert done.returncode == status if status is not None else done.returncode in (0, 1), done.stderr.decode()
     document = json.loads(done.stdout) if done.stdout.strip() else {}
     if document:
         jsonschema.validate(document, schema("loop"))
@@ -194,9 +192,7 @@ def test_noise_is_only_called_so_where_the_tests_say_so(hf: Run, model: Path, se
         for t in (20, 40, 60)
     ]
     found, told = closed(hf, model, files)
-    assert ("What is left is noise" in told) == (
-        found["residual"]["is_noise"] and found["verdict"] != "unexplained"
-    )
+    assert ("What is left is noise" in told) == (found["residual"]["is_noise"] and found["verdict"] != "unexplained")
 
 
 def test_noise_that_is_a_guess_is_warned_of(hf: Run, model: Path) -> None:
@@ -223,9 +219,7 @@ def test_a_modulus_that_no_material_has_is_not_given(hf: Run, model: Path) -> No
         lam = np.linspace(1.0, 1.6, 60)
         read = size * (lam - 1.0) ** 3.5 + 2e-4 * rng.standard_normal(60)
         rows = "".join(f"{x:.6g},{p:.6g}\n" for x, p in zip(lam, read, strict=True))
-        (model / f"{way}.csv").write_text(
-            f"# test: uniaxial\n# direction: {way}\nstretch,stress [MPa]\n{rows}"
-        )
+        (model / f"{way}.csv").write_text(f"# test: uniaxial\n# direction: {way}\nstretch,stress [MPa]\n{rows}")
         files.append(f"{way}.csv")
     found, told = closed(hf, model, files)
     assert "no stiffness at rest" not in told
@@ -295,9 +289,7 @@ def test_looking_at_the_cause_is_advised_before_one_more_test(hf: Run, model: Pa
     assert lines[0] in told.replace("\n", " ")
 
 
-def test_rows_of_thermocouples_that_are_no_reading_are_counted(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_of_thermocouples_that_are_no_reading_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     rows = "".join(f"{t},{20 + t}\n" for t in range(9))
     (tmp_path / "t.csv").write_text(f"time [s],a [degC]\n{rows},,\nmean,24\n")
@@ -331,9 +323,7 @@ def test_an_effect_that_was_added_is_not_among_those_the_data_cannot_show() -> N
 
 
 @pytest.mark.parametrize(("beside", "told"), [({"tilt", "set"}, False), ({"wedge"}, True)])
-def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(
-    beside: set[str], told: bool
-) -> None:
+def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(beside: set[str], told: bool) -> None:
     belief = Belief({frozenset({"tilt"}): 0.6, frozenset(beside): 0.4}, 0.0, 0.0)
     found: Any = SimpleNamespace(after=SimpleNamespace(ids=("tilt",)), belief=belief)
     assert ("though with more of them wedge (0.4) might" in _no_other(found)) is told

@@ -50,9 +50,7 @@ def test_the_model_that_is_written_lies_where_the_loop_says(tmp_path: Path, hf: 
     assert done.returncode == 0, done.stderr.decode()
     written = meshio.read(tmp_path / "loop.model.vtu").points[rows]
     told = np.genfromtxt(tmp_path / "loop.csv", delimiter=",", names=True, usecols=range(9))
-    nodes = np.array(
-        [np.argmin(np.hypot(*(flat - one).T)) for one in np.stack([told["x0_mm"], told["y0_mm"]], axis=1)]
-    )
+    nodes = np.array([np.argmin(np.hypot(*(flat - one).T)) for one in np.stack([told["x0_mm"], told["y0_mm"]], axis=1)])
     off = told["after_mm"] - written[nodes, told["axis"].astype(int)]
     assert len(off) == 360
     assert np.sqrt(np.mean(off**2)) < 0.2 * 0.05

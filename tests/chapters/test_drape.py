@@ -39,9 +39,7 @@ def folder(tmp_path: Path, monkeypatch) -> Path:
 
 @pytest.fixture
 def drape(folder, monkeypatch, capfd) -> Callable[..., tuple[int, str, str]]:
-    def run(
-        *arguments: str, mold: str = "ball.stl", fabric: str | None = "fabric.json"
-    ) -> tuple[int, str, str]:
+    def run(*arguments: str, mold: str = "ball.stl", fabric: str | None = "fabric.json") -> tuple[int, str, str]:
         words = ["hf", "drape", *([fabric] if fabric else []), "--mold", mold]
         for name, value in (("--grid", "31x21"), ("--size", "200mmx180mm"), ("--depth", "50mm")):
             if name not in arguments:
@@ -112,8 +110,7 @@ def test_the_largest_stretch_is_told_with_its_place_on_the_sheet_and_in_space(dr
     assert place["flat"] == pytest.approx(0.5 * (flat[i, j] + flat[k, l])[:2], abs=1e-9)
     assert place["draped"] == pytest.approx(0.5 * (net[i, j] + net[k, l]), abs=1e-9)
     cells = {
-        name: field.cell_data[name][0].reshape(30, 20)
-        for name in ("stretch_warp", "stretch_weft", "stretch_larger")
+        name: field.cell_data[name][0].reshape(30, 20) for name in ("stretch_warp", "stretch_weft", "stretch_larger")
     }
     assert cells["stretch_warp"] == pytest.approx(0.5 * (warp[:, 1:] + warp[:, :-1]), rel=1e-12)
     assert cells["stretch_weft"] == pytest.approx(0.5 * (weft[1:] + weft[:-1]), rel=1e-12)
@@ -213,9 +210,7 @@ def test_only_what_there_is_is_told_of_further_facets(drape, folder):
     top = int(np.argmax(mesh.triangles_center[:, 2]))
     edge = mesh.faces[top][:2]
     vertices = np.vstack([mesh.vertices, mesh.vertices[edge].mean(0) + np.array([0.0, 0.0, 5.0])])
-    (folder / "ball.stl").write_bytes(
-        stl_bytes(vertices, np.vstack([mesh.faces, [*edge, len(vertices) - 1]]))
-    )
+    (folder / "ball.stl").write_bytes(stl_bytes(vertices, np.vstack([mesh.faces, [*edge, len(vertices) - 1]])))
     fin = drape()[2]
     assert "an open edge" in fin
     assert "more such" not in fin
@@ -501,9 +496,7 @@ def test_a_mold_that_no_node_meets_is_named(drape, folder):
 def test_a_sheet_that_hangs_on_sharp_ridges_is_a_result(drape, folder):
     surface = saddle()
     (folder / "saddle.stl").write_bytes(stl_bytes(surface.vertices, surface.faces))
-    status, _, err = drape(
-        "--grid", "61x61", "--size", "220mm", "--depth", "20mm", "-o", "d.json", mold="saddle.stl"
-    )
+    status, _, err = drape("--grid", "61x61", "--size", "220mm", "--depth", "20mm", "-o", "d.json", mold="saddle.stl")
     document = json.loads((folder / "d.json").read_text())
     assert status == 0, err
     assert document["converged"] is True
@@ -565,9 +558,7 @@ def test_a_membrane_obeys_the_law_as_a_whole_and_says_what_it_leaves_out(drape, 
     net, whole = (json.loads((folder / name).read_text()) for name in ("net.json", "membrane.json"))
     assert (net["sheet"], whole["sheet"]) == ("net", "membrane")
     assert 1.3 < whole["force_N"] / net["force_N"] < 1.8
-    assert (
-        whole["stress_max_MPa"] > whole["stress_nominal_max_MPa"] > 0.99 * whole["stress_warp_max_MPa"] > 0.0
-    )
+    assert whole["stress_max_MPa"] > whole["stress_nominal_max_MPa"] > 0.99 * whole["stress_warp_max_MPa"] > 0.0
     assert whole["residual_relative"] <= 1e-6
     assert whole["penetration_nodes_mm"] < 1e-9
     assert any("biaxial" in text for text in net["left_out"])
@@ -686,16 +677,12 @@ def test_what_a_disc_cannot_be_is_refused(drape, options, words):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shape", ["square", "disc"])
-def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(
-    drape, folder, monkeypatch, capfd, shape
-):
+def test_a_membrane_over_a_ball_agrees_with_the_elements_of_fabric_contact(drape, folder, monkeypatch, capfd, shape):
     mesh = trimesh.creation.icosphere(subdivisions=7, radius=40.0)
     (folder / "fine.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
     orthotropic = {"C10_MPa": 0.15, "C20_MPa": 0.01, "k1_warp_MPa": 0.4, "k2_warp": 0.3, "G_MPa": 0.03}
     if shape == "disc":
-        (folder / "fabric.json").write_text(
-            json.dumps({**FABRIC, "model": "orthotropic", "parameters": orthotropic})
-        )
+        (folder / "fabric.json").write_text(json.dumps({**FABRIC, "model": "orthotropic", "parameters": orthotropic}))
     options = ("--grid", "151x151", "--size", "200mmx200mm", "--depth", "60mm", "--sheet", "membrane")
     options += ("--shape", "disc" if shape == "disc" else "rectangle")
     assert drape(*options, "-o", "sheet.json", mold="fine.stl")[0] == 0

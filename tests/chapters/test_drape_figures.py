@@ -98,9 +98,7 @@ def test_what_is_told_of_a_ball_fits_together(drape, folder):  # noqa: F811
     area = 0.5 * np.linalg.norm(np.cross(*diagonal), axis=2)
     thinnest = THICK * (200.0 / 30.0) * 9.0 / area.max()
     assert found["thickness_min_mm"] == pytest.approx(thinnest, rel=1e-6)
-    assert found["residual_relative"] == pytest.approx(
-        found["residual_max_N"] / largest(along, across), rel=1e-3
-    )
+    assert found["residual_relative"] == pytest.approx(found["residual_max_N"] / largest(along, across), rel=1e-3)
 
 
 def test_what_is_out_of_balance_is_what_mold_and_clamps_do_not_hold(drape, folder):  # noqa: F811

@@ -45,9 +45,7 @@ def drape(tmp_path: Path, monkeypatch, capfd) -> Callable[..., tuple[int, str, s
 def cup() -> tuple[np.ndarray, np.ndarray]:
     """A cup of 120 by 100 mm, 50 high, its flat base at z = 0, no two sides alike."""
     block = height_block(
-        lambda u, v: (
-            2.0 + 48.0 * np.maximum(1.0 - (u / 60.0) ** 2 - ((v + 0.1 * u) / 50.0) ** 2, 0.0) ** 0.75
-        ),
+        lambda u, v: 2.0 + 48.0 * np.maximum(1.0 - (u / 60.0) ** 2 - ((v + 0.1 * u) / 50.0) ** 2, 0.0) ** 0.75,
         (60.0, 50.0),
         (60, 50),
         0.0,
@@ -86,17 +84,14 @@ def test_a_mold_in_another_unit_stops_at_the_question(drape):
     assert "--stl-unit m" in err
     status, out, _ = drape((0.001 * vertices, faces), "--stl-unit", "m")
     assert status == 0
-    assert json.loads(out)["force_N"] == pytest.approx(
-        json.loads(drape((vertices, faces))[1])["force_N"], rel=1e-6
-    )
+    assert json.loads(out)["force_N"] == pytest.approx(json.loads(drape((vertices, faces))[1])["force_N"], rel=1e-6)
 
 
 @pytest.mark.parametrize(
     ("text", "is_a"),
     [
         (
-            b"# made by a program\nmtllib a.mtl\no cup\nv 1.0 2.0 3.0\nv 0 0 0\nv 1 0 0\nf 1 2 3\n"
-            + b"#" * 100,
+            b"# made by a program\nmtllib a.mtl\no cup\nv 1.0 2.0 3.0\nv 0 0 0\nv 1 0 0\nf 1 2 3\n" + b"#" * 100,
             "OBJ",
         ),
         (b"ply\nformat ascii 1.0\nelement vertex 3\n" + b" " * 100, "PLY"),

@@ -77,9 +77,7 @@ def test_a_sheet_that_a_solver_cannot_hold_has_a_way_out(hf: Run, tmp_path: Path
 def test_a_bulk_modulus_beside_a_law_with_a_volume_of_its_own_is_not_passed_over(hf: Run) -> None:
     foam = {"mu_MPa": 0.4, "f": 0.3, "nu": 0.3}
     document = {"format": "hyperfab.material/1", "model": "blatz-ko-general", "parameters": foam}
-    done = hf(
-        "export", "-", "--to", "abaqus", "--bulk-modulus", "500MPa", stdin=json.dumps(document).encode()
-    )
+    done = hf("export", "-", "--to", "abaqus", "--bulk-modulus", "500MPa", stdin=json.dumps(document).encode())
     assert done.returncode == 2
     assert b"by its own nu; leave the option out" in done.stderr
     document["bulk_modulus_MPa"] = 500.0
@@ -91,9 +89,7 @@ def test_a_bulk_modulus_beside_a_law_with_a_volume_of_its_own_is_not_passed_over
 def test_a_bulk_modulus_at_which_a_pull_widens_is_told(hf: Run) -> None:
     document = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.3}}
     for K, said in ((0.39, True), (0.41, False)):
-        done = hf(
-            "export", "-", "--to", "abaqus", "--bulk-modulus", f"{K}MPa", stdin=json.dumps(document).encode()
-        )
+        done = hf("export", "-", "--to", "abaqus", "--bulk-modulus", f"{K}MPa", stdin=json.dumps(document).encode())
         assert done.returncode == 0
         assert (b"widens" in done.stderr) == said
 

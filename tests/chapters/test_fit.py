@@ -79,9 +79,7 @@ def test_all_models_are_ranked_by_how_they_carry_over(hf: Run) -> None:
     assert rows[0]["carry_over"] == pytest.approx(error**0.5, rel=1e-12)
 
 
-def test_uniaxial_constants_of_the_chosen_law_carry_all_of_the_measured_points(
-    hf: Run, data_dir: Path
-) -> None:
+def test_uniaxial_constants_of_the_chosen_law_carry_all_of_the_measured_points(hf: Run, data_dir: Path) -> None:
     files = [
         word
         for mode in ("uniaxial", "shear", "biaxial")
@@ -118,9 +116,7 @@ def test_warp_and_weft_get_constants_of_their_own(hf: Run) -> None:
 
 def test_several_temperatures_give_constants_against_temperature(hf: Run) -> None:
     files = [f"specimens/lycra/warp-{t}C.csv" for t in (23, 80, 105)]
-    found = fit(
-        hf, *(word for name in files for word in ("--uniaxial", name)), "--model", "yeoh-1", "--accept", "0.5"
-    )
+    found = fit(hf, *(word for name in files for word in ("--uniaxial", name)), "--model", "yeoh-1", "--accept", "0.5")
     rows = found["temperatures"]
     assert [row["temperature_degC"] for row in rows] == [23.0, 80.0, 105.0]
     assert found["temperature_degC"] == 23.0
@@ -143,9 +139,7 @@ def test_membrane_stress_needs_no_thickness(hf: Run, tmp_path: Path) -> None:
 
 
 def test_rows_without_a_ratio_are_counted_by_reason(hf: Run, tmp_path: Path) -> None:
-    (tmp_path / "t.csv").write_text(
-        "stretch [-],stress [MPa]\n1,0\n1,0.01\n1.1,-0.01\n1.2,0.2\n1.4,0.4\n1.6,0.5\n"
-    )
+    (tmp_path / "t.csv").write_text("stretch [-],stress [MPa]\n1,0\n1,0.01\n1.1,-0.01\n1.2,0.2\n1.4,0.4\n1.6,0.5\n")
     found = fit(hf, "--uniaxial", "t.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert sum(found["left_out"].values()) == 3
     assert found["fit"]["points"] == 3
@@ -171,9 +165,7 @@ def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: P
     assert sum(value**2 for value in ratio) == pytest.approx(document["fit"]["E2"], rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    "model", ["neo-hookean", "orthotropic", pytest.param("hyperfoam-1", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("model", ["neo-hookean", "orthotropic", pytest.param("hyperfoam-1", marks=pytest.mark.slow)])
 def test_every_law_keeps_the_set_up_it_was_fitted_with(hf: Run, model: str) -> None:
     found = fit(hf, "--uniaxial", f"{TRELOAR}/uniaxial.csv", "--model", model, "--accept", "0.9")
     assert found["setup"]["model"] == model
@@ -260,9 +252,7 @@ def test_cycle_branch_and_slack_are_chosen_and_told(hf: Run, tmp_path: Path) -> 
     assert read.startswith(
         "loop.csv: head in line 1: cycle, stretch [-], stress [MPa], branch; uniaxial; cycles 1 to 2"
     )
-    assert {"not cycle first", "not on the load branch", "slack, before the preload"} <= set(
-        first["left_out"]
-    )
+    assert {"not cycle first", "not on the load branch", "slack, before the preload"} <= set(first["left_out"])
     second = fit(hf, *options, "--cycle", "2", cwd=tmp_path)
     assert second["parameters"]["C10_MPa"] / first["parameters"]["C10_MPa"] == pytest.approx(0.75, rel=1e-3)
 
@@ -319,9 +309,7 @@ def test_what_a_file_states_and_no_law_knows_is_told_by_name(hf: Run, tmp_path: 
     result = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "-o", "a.json", cwd=tmp_path)
     assert "a.csv: stated and not used: humidity\n" in result.stderr.decode()
     found = json.loads((tmp_path / "a.json").read_text())
-    assert {"a.csv: stated and not used: humidity", "a.csv: columns not used: moisture"} <= set(
-        found["preparation"]
-    )
+    assert {"a.csv: stated and not used: humidity", "a.csv: columns not used: moisture"} <= set(found["preparation"])
 
 
 def test_the_same_readings_in_two_files_are_told(hf: Run, tmp_path: Path) -> None:
@@ -329,9 +317,7 @@ def test_the_same_readings_in_two_files_are_told(hf: Run, tmp_path: Path) -> Non
     (tmp_path / "a.csv").write_text(f"stretch,stress [MPa]\n{rows}")
     (tmp_path / "b.csv").write_text(f"# direction: warp\nstretch;stress [MPa]\n{rows.replace(',', ';')}")
     found = fit(hf, "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "neo-hookean", cwd=tmp_path)
-    assert any(
-        "b.csv, line 3: the 9 readings are those of a.csv, line 2" in text for text in found["warnings"]
-    )
+    assert any("b.csv, line 3: the 9 readings are those of a.csv, line 2" in text for text in found["warnings"])
 
 
 def test_unloading_that_takes_part_draws_a_warning(hf: Run, tmp_path: Path) -> None:
@@ -374,9 +360,7 @@ def test_force_and_extension_of_a_standard_specimen(hf: Run, tmp_path: Path) -> 
 def test_a_strip_whose_ends_keep_their_width_is_so_much_stiffer(aspect: int) -> None:
     """Quadratic finite elements of linear plane stress, Poisson's ratio a half, against what the warning says."""
     cells = 12
-    mesh = skfem.MeshQuad.init_tensor(
-        np.linspace(0.0, aspect, cells * aspect + 1), np.linspace(0.0, 1.0, cells + 1)
-    )
+    mesh = skfem.MeshQuad.init_tensor(np.linspace(0.0, aspect, cells * aspect + 1), np.linspace(0.0, 1.0, cells + 1))
     basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementQuad2()))
     stiffness = linear_elasticity(0.5 / (1.0 - 0.25), 1.0 / 3.0).assemble(basis)
     ends = [basis.get_dofs(lambda x, at=at: np.abs(x[0] - at) < 1e-9) for at in (0.0, aspect)]
@@ -476,9 +460,7 @@ def test_scatter_of_replicates_is_told(hf: Run) -> None:
     assert 0.002 < kind["scatter"] < 0.03
 
 
-@pytest.mark.parametrize(
-    "stretch", [np.linspace(1.05, 1.8, 12), np.linspace(0.4, 0.95, 12)], ids=["pulled", "pressed"]
-)
+@pytest.mark.parametrize("stretch", [np.linspace(1.05, 1.8, 12), np.linspace(0.4, 0.95, 12)], ids=["pulled", "pressed"])
 def test_the_scatter_of_replicates_does_not_hang_on_the_order_of_rows(
     hf: Run, tmp_path: Path, stretch: np.ndarray
 ) -> None:
@@ -506,9 +488,7 @@ def test_the_orthotropic_law_carries_both_directions_with_one_set_of_constants(h
     assert weft["fit"]["parameters_sd"]["k2_along"] == found["fit"]["parameters_sd"]["k2_across"]
     # Each direction's constants hold along it: the figures are those of the curves in the document.
     for name, own in (("warp", warp), ("weft", weft)):
-        rows = [
-            line.split(",") for line in (root / f"specimens/lycra/{name}-23C.csv").read_text().splitlines()
-        ]
+        rows = [line.split(",") for line in (root / f"specimens/lycra/{name}-23C.csv").read_text().splitlines()]
         table = np.array([[float(v) for v in row[1:]] for row in rows if row[0].isdigit()])
         material = bind("fabric-fibres", own["parameters"], anisotropic=True)
         model = material.uniaxial(1 + table[:, 0]).P
@@ -549,9 +529,7 @@ def test_stable_constants_that_cannot_be_shown_are_not_written(hf: Run, tmp_path
     # Readings without any order: no nine constants that follow them can be shown to be stable.
     rows = "\n".join(f"{1.1 + 0.1 * k:.1f},{0.05 + 0.9 * ((k * 37) % 17) / 17:.4f}" for k in range(40))
     (tmp_path / "t.csv").write_text(f"stretch,stress [MPa]\n{rows}\n")
-    done = hf(
-        "fit", "--uniaxial", "t.csv", "--model", "mooney-rivlin-9", "--stable", "--accept", "99", cwd=tmp_path
-    )
+    done = hf("fit", "--uniaxial", "t.csv", "--model", "mooney-rivlin-9", "--stable", "--accept", "99", cwd=tmp_path)
     if done.returncode == 0:
         assert json.loads(done.stdout)["stable"] is True
     else:

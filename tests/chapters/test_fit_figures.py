@@ -30,9 +30,7 @@ def write(path: Path, stretch: np.ndarray, stress: np.ndarray, **head: str) -> P
     return path
 
 
-def test_a_reading_that_does_not_belong_is_told_with_its_distance_and_its_leverage(
-    hf: Run, tmp_path: Path
-) -> None:
+def test_a_reading_that_does_not_belong_is_told_with_its_distance_and_its_leverage(hf: Run, tmp_path: Path) -> None:
     """A relative fit of one constant: what regression says of row 10, which is half of what it should be."""
     ripple = 1.0 + 0.002 * (-1.0) ** np.arange(14)
     stress = 0.2 * SHAPE * ripple
@@ -62,9 +60,7 @@ def test_a_reading_that_does_not_belong_is_told_with_its_distance_and_its_levera
     assert outlier["stretch"] == pytest.approx(STRETCH[9], rel=1e-12)
     assert outlier["stress_MPa"] == pytest.approx(stress[9], rel=1e-12)
     assert outlier["leverage"] == pytest.approx(leverage[9], rel=1e-6)
-    assert abs(outlier["studentised"]) == pytest.approx(
-        abs(left[9]) / np.sqrt(without * (1.0 - leverage[9])), rel=1e-6
-    )
+    assert abs(outlier["studentised"]) == pytest.approx(abs(left[9]) / np.sqrt(without * (1.0 - leverage[9])), rel=1e-6)
 
 
 def test_specimens_that_differ_by_a_tenth_scatter_so_much(hf: Run, tmp_path: Path) -> None:
@@ -73,9 +69,7 @@ def test_specimens_that_differ_by_a_tenth_scatter_so_much(hf: Run, tmp_path: Pat
         write(tmp_path / f"{name}.csv", STRETCH, factor * 0.2 * SHAPE, thickness="1 mm", specimen=name)
         for name, factor in (("soft", 0.95), ("stiff", 1.05))
     ]
-    found = fit(
-        hf, "--uniaxial", files[0], "--uniaxial", files[1], "--model", "neo-hookean", "--accept", "0.9"
-    )
+    found = fit(hf, "--uniaxial", files[0], "--uniaxial", files[1], "--model", "neo-hookean", "--accept", "0.9")
     [kind] = found["replicates"]
     assert kind["specimens"] == 2
     assert kind["test"] == "uniaxial"

@@ -118,9 +118,7 @@ def test_what_is_expected_of_unseen_tests_hangs_on_no_unit_and_no_order(modes: t
             assert found == pytest.approx(expected, rel=1e-4), (name, way)
 
 
-@pytest.mark.parametrize(
-    ("degrees", "told"), [((20, 24, 28, 32, 36), True), ((20, 22, 24), False), ((20, 60), False)]
-)
+@pytest.mark.parametrize(("degrees", "told"), [((20, 24, 28, 32, 36), True), ((20, 22, 24), False), ((20, 60), False)])
 def test_temperatures_that_run_into_each_other_are_told(
     hf: Run, tmp_path: Path, degrees: tuple[float, ...], told: bool
 ) -> None:
@@ -145,12 +143,8 @@ def test_temperatures_that_run_into_each_other_are_told(
         assert said[0] in done.stderr.decode()
 
 
-@pytest.mark.parametrize(
-    ("text", "odd"), [("296 K", False), ("496 degC", True), ("20 K", True), ("190 degC", False)]
-)
-def test_a_temperature_that_no_fabric_has_is_asked_about(
-    hf: Run, tmp_path: Path, text: str, odd: bool
-) -> None:
+@pytest.mark.parametrize(("text", "odd"), [("296 K", False), ("496 degC", True), ("20 K", True), ("190 degC", False)])
+def test_a_temperature_that_no_fabric_has_is_asked_about(hf: Run, tmp_path: Path, text: str, odd: bool) -> None:
     write(tmp_path, "a.csv", LAM, yeoh(0.2, 0.0), f"# temperature: {text}")
     done = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 0
@@ -171,10 +165,7 @@ def test_constants_of_every_temperature_are_stable_where_the_verdict_says_so(hf:
     assert f"at 80 degC: first unstable stretch uniaxial {first[0]:.3f}" in done.stderr.decode()
     alone = ("export", "free.json", "--to", "abaqus", "--temperature")
     assert "unstable from" not in hf(*alone, "23degC", cwd=tmp_path).stdout.decode()
-    assert (
-        f"uniaxial: unstable from stretch {first[0]:.4g}"
-        in hf(*alone, "80degC", cwd=tmp_path).stdout.decode()
-    )
+    assert f"uniaxial: unstable from stretch {first[0]:.4g}" in hf(*alone, "80degC", cwd=tmp_path).stdout.decode()
     assert json.loads(hf(*words[:-2], "--stable", cwd=tmp_path).stdout)["stable"] is True
 
 
@@ -242,15 +233,12 @@ def test_no_test_that_stiffens_is_refused_stable_constants() -> None:
             assert isinstance(found, Identified), (model, power, found)
 
 
-@pytest.mark.parametrize(
-    ("specimen", "gauge", "width"), [("1ba", 25.0, 5.0), ("1bb", 10.0, 2.0), ("3-2", 50.0, 18.0)]
-)
+@pytest.mark.parametrize(("specimen", "gauge", "width"), [("1ba", 25.0, 5.0), ("1bb", 10.0, 2.0), ("3-2", 50.0, 18.0)])
 def test_specimens_of_films_have_their_sizes(
     hf: Run, tmp_path: Path, specimen: str, gauge: float, width: float
 ) -> None:
     rows = [
-        f"{gauge * (a - 1.0)!r},{b * width * 0.5!r}"
-        for a, b in zip(LAM.tolist(), yeoh(0.2, 0.0).tolist(), strict=True)
+        f"{gauge * (a - 1.0)!r},{b * width * 0.5!r}" for a, b in zip(LAM.tolist(), yeoh(0.2, 0.0).tolist(), strict=True)
     ]
     (tmp_path / "a.csv").write_text("\n".join(["# thickness: 0.5 mm", "extension [mm],force [N]", *rows, ""]))
     own = ("--width", f"{width}mm") if specimen == "3-2" else ()
@@ -264,9 +252,7 @@ def test_specimens_of_films_have_their_sizes(
         f"iso-527-{specimen}",
         *own,
     )
-    assert json.loads(hf(*words, cwd=tmp_path).stdout)["parameters"]["C10_MPa"] == pytest.approx(
-        0.2, rel=1e-9
-    )
+    assert json.loads(hf(*words, cwd=tmp_path).stdout)["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=1e-9)
 
 
 def test_a_tissue_pressed_and_pulled_is_not_held_to_what_rubbers_do(hf: Run, tmp_path: Path) -> None:
@@ -289,9 +275,7 @@ def test_a_tissue_pressed_and_pulled_is_not_held_to_what_rubbers_do(hf: Run, tmp
     assert 0.5 * real < stated < 5.0 * max(real, 0.06)
 
 
-def test_readings_that_are_but_noise_near_zero_are_told_and_counted_by_the_noise(
-    hf: Run, tmp_path: Path
-) -> None:
+def test_readings_that_are_but_noise_near_zero_are_told_and_counted_by_the_noise(hf: Run, tmp_path: Path) -> None:
     """Mounted slack the first rows read the noise of the load cell: their ratio to a law's stress says nothing."""
     random, stretch = np.random.default_rng(7), np.linspace(1.0, 2.0, 60)
     own = np.maximum(stretch - 0.01, 1.0)
@@ -322,9 +306,7 @@ def test_readings_that_are_but_noise_near_zero_are_told_and_counted_by_the_noise
 
 def test_that_no_thickness_is_known_is_said_where_the_constants_are_shown(hf: Run, tmp_path: Path) -> None:
     rows = "".join(f"{k},{0.4 * k:.3f}\n" for k in range(1, 12))
-    (tmp_path / "a.csv").write_text(
-        f"# gauge length: 100 mm\n# width: 20 mm\nextension [mm],force [N]\n{rows}"
-    )
+    (tmp_path / "a.csv").write_text(f"# gauge length: 100 mm\n# width: 20 mm\nextension [mm],force [N]\n{rows}")
     done = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "-o", "a.json", cwd=tmp_path)
     [line] = [one for one in done.stderr.decode().splitlines() if one.startswith("no thickness is known")]
     assert line in json.loads((tmp_path / "a.json").read_text())["preparation"]

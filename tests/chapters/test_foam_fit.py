@@ -14,9 +14,7 @@ COLD, HOT = Hyperfoam((0.02,), (6.0,), (0.15,)), Hyperfoam((0.01,), (6.0,), (0.1
 
 def _write(folder, name, test, stretch, stress, temperature=None, second=None):
     sheared = test == "simple-shear"
-    head = f"# test: {test}\n# thickness: 4.5 mm\n" + (
-        f"# temperature: {temperature} degC\n" if temperature else ""
-    )
+    head = f"# test: {test}\n# thickness: 4.5 mm\n" + (f"# temperature: {temperature} degC\n" if temperature else "")
     head += "shear strain [-],shear stress [MPa]" if sheared else "stretch [-],stress [MPa]"
     columns = [stretch, stress] + ([second] if second is not None else [])
     head += ",stretch 2 [-]\n" if second is not None else "\n"
@@ -172,18 +170,14 @@ def test_rest_is_counted_from_in_shear_and_in_compression_too(hf, tmp_path) -> N
     shear, down = np.linspace(0.0, 0.5, 25), np.linspace(1.0, 0.4, 60)
     _write(tmp_path, "shear.csv", "simple-shear", shear + 0.07, COLD.stress("simple-shear", shear) + 3e-4)
     _write(tmp_path, "down.csv", "confined-compression", down, COLD.stress("confined-compression", down))
-    run = hf(
-        "fit", "shear.csv", "down.csv", "--model", "hyperfoam-1", "--zero", "-o", "zero.json", cwd=tmp_path
-    )
+    run = hf("fit", "shear.csv", "down.csv", "--model", "hyperfoam-1", "--zero", "-o", "zero.json", cwd=tmp_path)
     assert run.returncode == 0, run.stderr.decode()
     found = json.loads((tmp_path / "zero.json").read_text())["parameters"]
     assert found == pytest.approx(COLD.parameters, rel=1e-6)
     late, no = np.append(np.linspace(1.03, 1.001, 5), down), np.zeros(5)
     _write(tmp_path, "late.csv", "confined-compression", late / 1.03,
            np.append(no, COLD.stress("confined-compression", down)) * 1.03)  # fmt: skip
-    run = hf(
-        "fit", "late.csv", "--model", "hyperfoam-1", "--preload", "1e-7MPa", "-o", "late.json", cwd=tmp_path
-    )
+    run = hf("fit", "late.csv", "--model", "hyperfoam-1", "--preload", "1e-7MPa", "-o", "late.json", cwd=tmp_path)
     assert run.returncode == 0, run.stderr.decode()
     document = json.loads((tmp_path / "late.json").read_text())
     assert document["fit"]["nrmse"] < 0.02
@@ -195,9 +189,7 @@ def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
     law, stretch = Hyperfoam((0.02,), (6.0,), (0.0,)), np.linspace(1.0, 0.4, 25)
     rows = "".join(
         f"{40.0 * (a - 1.0):.9g},{40.0**2 * b:.9g},{across:.9g}\n"
-        for a, b, across in zip(
-            stretch, law.stress("uniaxial", stretch), law.lateral("uniaxial", stretch), strict=True
-        )
+        for a, b, across in zip(stretch, law.stress("uniaxial", stretch), law.lateral("uniaxial", stretch), strict=True)
     )
     sizes = "# test: uniaxial\n# gauge length: 40 mm\n# width: 40 mm\n# thickness: 40 mm\n"
     (tmp_path / "block.csv").write_text(sizes + "extension [mm],force [N],stretch 2\n" + rows)
@@ -205,9 +197,7 @@ def test_a_block_that_does_not_widen_is_told_of_as_it_is(hf, tmp_path) -> None:
     assert run.returncode == 0, run.stderr.decode()
     assert b"times as long as wide" not in run.stderr
     assert b"not told" not in run.stderr
-    assert json.loads((tmp_path / "block.json").read_text())["parameters"]["nu1"] == pytest.approx(
-        0.0, abs=1e-3
-    )
+    assert json.loads((tmp_path / "block.json").read_text())["parameters"]["nu1"] == pytest.approx(0.0, abs=1e-3)
 
 
 @pytest.mark.parametrize(("power", "told"), [(0.0, True), (-0.5, True), (-1.1, False), (-2.0, False)])
@@ -292,8 +282,7 @@ def test_a_table_of_several_loadings_is_their_mean_and_never_falls() -> None:
 def test_a_foam_is_cut_into_blocks_and_strips_of_any_thickness(hf, tmp_path) -> None:
     down, up = np.linspace(1.0, 0.4, 25), np.linspace(1.0, 1.3, 25)
     rows = "".join(
-        f"{50.0 * (a - 1.0):.9g},{2500.0 * b:.9g}\n"
-        for a, b in zip(down, COLD.stress("uniaxial", down), strict=True)
+        f"{50.0 * (a - 1.0):.9g},{2500.0 * b:.9g}\n" for a, b in zip(down, COLD.stress("uniaxial", down), strict=True)
     )
     sizes = "# test: uniaxial\n# gauge length: 50 mm\n# width: 50 mm\n# thickness: 50 mm\n"
     (tmp_path / "block.csv").write_text(f"{sizes}extension [mm],force [N]\n{rows}")

@@ -222,9 +222,7 @@ def test_a_long_run_tells_of_the_reduced_mold_and_its_bound(tmp_path):
     assert small["probes"] == full["probes"]
     bound = short["reduced"]["error_bound_K"]
     np.testing.assert_allclose(short["switches_s"], full["switches_s"], atol=0.01)
-    assert short["probes"]["centre"]["final_degC"] == pytest.approx(
-        full["probes"]["centre"]["final_degC"], abs=bound
-    )
+    assert short["probes"]["centre"]["final_degC"] == pytest.approx(full["probes"]["centre"]["final_degC"], abs=bound)
     for what in ("mean_degC", "min_degC", "max_degC"):
         assert short["work_surface"][what] == pytest.approx(full["work_surface"][what], abs=bound)
     again = (tmp_path / "short.history.csv").read_bytes()
@@ -318,9 +316,7 @@ at = ["50 mm", "40 mm", "25 mm"]
 
 
 def test_each_press_cycle_cools_the_mold_by_a_fresh_sandwich(tmp_path):
-    (tmp_path / "closed.csv").write_text(
-        "time [s],contact [-]\n0,0\n20,0\n21,1\n60,1\n61,0\n100,0\n101,1\n140,1\n"
-    )
+    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n20,0\n21,1\n60,1\n61,0\n100,0\n101,1\n140,1\n")
     sandwich = """
 [[part]]
 name = "sandwich"
@@ -492,9 +488,7 @@ def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
     (tmp_path / "part.stl").write_bytes(trimesh.exchange.stl.export_stl(loose))
     box = 'box = { origin = ["-5 mm","-5 mm","-5 mm"], size = ["10 mm","10 mm","10 mm"] }'
     cavity = f'[[cavity]]\nname = "hole"\n{box}\n'
-    text = (
-        PLATE.split("box =")[0] + 'stl = "part.stl"\n' + cavity + HEATER.replace("plate.z-", "hole.all") + RUN
-    )
+    text = PLATE.split("box =")[0] + 'stl = "part.stl"\n' + cavity + HEATER.replace("plate.z-", "hole.all") + RUN
     status, document, said = heat(tmp_path, text.replace('"25 mm"', '"10 mm"'))
     assert status == 0
     assert any("welded" in line for line in said)
@@ -502,9 +496,7 @@ def test_dirty_stl_is_welded_and_meshed_with_a_cavity(tmp_path):
     assert document["conditions"]["heater hole.all"]["area_mm2"] == pytest.approx(600.0, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("axis", "lies", "unit", "mm"), [("y", (1, 2, 0), "inch", 25.4), ("x", (2, 0, 1), "m", 1e3)]
-)
+@pytest.mark.parametrize(("axis", "lies", "unit", "mm"), [("y", (1, 2, 0), "inch", 25.4), ("x", (2, 0, 1), "m", 1e3)])
 def test_an_stl_stands_where_its_part_says(tmp_path, plate, axis, lies, unit, mm):
     """The plate, drawn about its middle, lying on a side, in another unit: the heat of the one given as a box."""
     import trimesh
@@ -692,9 +684,7 @@ def test_a_thermostat_that_would_switch_has_no_steady_state(tmp_path):
 
 @pytest.mark.parametrize("size", ["40 mm", "20 mm"])
 def test_parts_that_begin_apart_share_their_heat(tmp_path, size):
-    run = (
-        RUN.replace('"300 s"', '"1000 s"').replace('"25 mm"', f'"{size}"').replace('"25 degC"', '"300 degC"')
-    )
+    run = RUN.replace('"300 s"', '"1000 s"').replace('"25 mm"', f'"{size}"').replace('"25 degC"', '"300 degC"')
     _, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", 'start = "0 degC"') + PROBE + run)
     assert document["probes"]["centre"]["final_degC"] == pytest.approx(150.0, abs=1e-3)
 

@@ -74,9 +74,7 @@ def test_a_wall_in_steady_conduction(tmp_path):
     assert found["flux_max_W_m2"] == pytest.approx(FLUX, rel=1e-7)
     assert found["power_supplied_W"] == pytest.approx(8.0, rel=1e-12)
     assert found["power_lost_W"] == pytest.approx({"convection cold.x+": 8.0}, rel=1e-8)
-    assert found["conditions"]["convection cold.x+"] == pytest.approx(
-        {"area_mm2": 200.0, "power_W": -8.0}, rel=1e-8
-    )
+    assert found["conditions"]["convection cold.x+"] == pytest.approx({"area_mm2": 200.0, "power_W": -8.0}, rel=1e-8)
     assert found["conditions"]["heater hot.x-"]["power_W"] == pytest.approx(8.0, rel=1e-12)
     mass = {"hot": 7800.0 * AREA * 0.02, "cold": 2700.0 * AREA * 0.04}
     assert found["mass_by_part_kg"] == pytest.approx(mass, rel=1e-9)
@@ -138,9 +136,7 @@ def test_a_lump_that_warms_up(tmp_path):
     assert found["target_degC"] == 75.0
     assert found["target_reached"] is True
     assert found["warmup_time_s"] == pytest.approx(time, rel=3e-4)
-    assert found["probes"]["core"] == pytest.approx(
-        {"final_degC": 25.0 + rise, "max_degC": 25.0 + rise}, abs=0.02
-    )
+    assert found["probes"]["core"] == pytest.approx({"final_degC": 25.0 + rise, "max_degC": 25.0 + rise}, abs=0.02)
     surface = found["work_surface"]
     for part in (surface, surface["at_end"]):
         assert [part[key] for key in ("mean_degC", "min_degC", "max_degC")] == pytest.approx(
@@ -171,9 +167,7 @@ def test_a_heater_that_is_turned_off(tmp_path):
     """The probe's greatest is when the power ends, the final one later; a probe that lags shows less and less late."""
     (tmp_path / "power.csv").write_text("time [s],power [W]\n0,20\n20,20\n20.001,0\n60,0\n")
     text = LUMP.replace('power = "20 W"', 'schedule = "power.csv"').replace('target = "75 degC"\n', "")
-    text = text.replace(
-        "[work", '[[probe]]\nname = "late"\nlag = "5 s"\nat = ["10 mm", "10 mm", "10 mm"]\n[work'
-    )
+    text = text.replace("[work", '[[probe]]\nname = "late"\nlag = "5 s"\nat = ["10 mm", "10 mm", "10 mm"]\n[work')
     _, found, _ = heat(tmp_path, text)
     peak, rate = warmed(20.0), LOSS / CAPACITY
     core = found["probes"]["core"]
@@ -220,9 +214,7 @@ def test_a_schedule_that_ends_before_the_run_is_told(tmp_path):
     assert (entry["used"], entry["known"], entry["within"]) == ([0.0, 60.0], [0.0, 40.0], False)
     assert status == 0
     assert found["notes"] == ["heater.0: its schedule says the power, power beside it is not used"]
-    assert found["probes"]["core"]["final_degC"] == pytest.approx(
-        plain["probes"]["core"]["final_degC"], abs=0.01
-    )
+    assert found["probes"]["core"]["final_degC"] == pytest.approx(plain["probes"]["core"]["final_degC"], abs=0.01)
 
 
 def test_a_film_table_used_beyond_its_rows_is_told(tmp_path):
@@ -252,9 +244,7 @@ def test_variations_of_a_lump(tmp_path):
     assert told["duration_s"] == 60.0
     assert told["difference_max_K"] < 0.01
     assert len(told["runs"]) == 3
-    for run, (film, power, heavier) in zip(
-        told["runs"], ((1, 1, 1), (2, 1.5, 0.5), (1, 0.4, 1)), strict=True
-    ):
+    for run, (film, power, heavier) in zip(told["runs"], ((1, 1, 1), (2, 1.5, 0.5), (1, 0.4, 1)), strict=True):
         now = {"power": 20.0 * power, "loss": LOSS * film, "capacity": CAPACITY * heavier}
         assert list(run["factors"].values()) == [film, power, heavier]
         final = 25.0 + warmed(60.0, **now)

@@ -23,9 +23,7 @@ def problem(corners: list[float], loss: float | None = None) -> SimpleNamespace:
         conditions=[heater, film],
     )
     thermostats = [] if loss is None else [Thermostat(heater, np.ones(1), 100.0, 10.0)]
-    return SimpleNamespace(
-        model=model, thermostats=thermostats, corners=corners, mesh=SimpleNamespace(solid=1)
-    )
+    return SimpleNamespace(model=model, thermostats=thermostats, corners=corners, mesh=SimpleNamespace(solid=1))
 
 
 def stages(ends: list[float], first: float, growth: float) -> list[float]:

@@ -14,9 +14,7 @@ FACTORS = "film [-],power [-]\n1,1\n1.6,1.4\n0.5,0.7\n"
 
 @pytest.mark.slow
 def test_variations_are_near_full_runs_of_the_same_settings(tmp_path):
-    text = PLATE.replace('"300 s"', '"400 s"').replace(
-        "[run]", '[run]\ntarget = "60 degC"\ntolerance = "0.01 K"'
-    )
+    text = PLATE.replace('"300 s"', '"400 s"').replace("[run]", '[run]\ntarget = "60 degC"\ntolerance = "0.01 K"')
     text = text.replace('h = "12 W/m^2/K"', 'h = { table = "film.csv" }')
     (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n20,30\n100,60\n")
     (tmp_path / "factors.csv").write_text(FACTORS)

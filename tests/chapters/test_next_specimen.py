@@ -37,9 +37,7 @@ def share_within(known: list[TestCurve], new: TestCurve) -> tuple[float, int]:
 
 @pytest.mark.parametrize(("scatter", "noise"), [(0.05, 0.0), (0.05, 0.03), (0.002, 0.03)])
 @pytest.mark.parametrize("count", [3, 4, 8])
-def test_readings_of_another_specimen_are_within_as_often_as_stated(
-    count: int, scatter: float, noise: float
-) -> None:
+def test_readings_of_another_specimen_are_within_as_often_as_stated(count: int, scatter: float, noise: float) -> None:
     draw = np.random.default_rng(count)
     labs = [specimens(count + 1, scatter, noise, draw) for _ in range(300)]
     shares = [share_within(known, new)[0] for *known, new in labs]

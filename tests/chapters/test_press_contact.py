@@ -173,9 +173,7 @@ def test_plates_that_just_touch_bear_as_much_as_just_before(tmp_path, monkeypatc
         forces = [force for _, force in touching["force_stroke"]]
         assert forces == sorted(forces)
         assert touching["oblique_area_fraction"] == 0.0
-        _, closed = press(
-            tmp_path, monkeypatch, gap=None, force=f"{0.9 * touching['force_N']!r}N", facets=facets
-        )
+        _, closed = press(tmp_path, monkeypatch, gap=None, force=f"{0.9 * touching['force_N']!r}N", facets=facets)
         assert closed["gap_min_mm"] == pytest.approx(0.45, abs=1e-6)
         # Hot, their walls slide along each other: each is 20 mm thick and grows by as much as the other.
         capsys.readouterr()
@@ -204,9 +202,7 @@ def test_a_yielding_frame_opens_the_press(shop, monkeypatch):
 
 
 def test_the_designed_male_presses_evenly(shop, monkeypatch):
-    status, document = press(
-        shop, monkeypatch, gap="3mm", temperature="200degC", design_gap="4mm", output="d.json"
-    )
+    status, document = press(shop, monkeypatch, gap="3mm", temperature="200degC", design_gap="4mm", output="d.json")
     assert status == 0
     assert "d.design.stl" in document["files"]
     hot = {"temperature": "200degC", "zero": "hot", "male": "d.design.stl"}
@@ -223,9 +219,7 @@ def test_a_draped_sheet_thins_the_sandwich(shop, monkeypatch):
     side = np.linspace(-150.0, 150.0, 31)
     points = np.stack(np.meshgrid(side, side, [100.0], indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(31 * 31).reshape(31, 31)
-    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(
-        -1, 4
-    )
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
     grid = unstructured(points, {"quad": quads}, cell_data={"thickness_mm": np.full(len(quads), 0.4)})
     (shop / "drape.vtu").write_bytes(grid)
     (shop / "drape.json").write_text(json.dumps(_drape()))
@@ -270,9 +264,7 @@ def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
     thickness = 4.5 * (1.0 - lost)
     assert shrunk["sandwich_mm"] == pytest.approx(thickness)
     assert shrunk["final_thickness"]["max_mm"] == pytest.approx(thickness)
-    assert shrunk["final_thickness"]["min_mm"] == pytest.approx(
-        0.5 * (shrunk["gap_min_mm"] + thickness), abs=5e-3
-    )
+    assert shrunk["final_thickness"]["min_mm"] == pytest.approx(0.5 * (shrunk["gap_min_mm"] + thickness), abs=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -439,9 +431,7 @@ def test_a_table_used_beyond_its_rows_is_told(shop, monkeypatch, capsys):
     (shop / "short.csv").write_text("strain [-],stress [MPa]\n0,0\n0.1,0.005\n")
     (shop / "grow.csv").write_text("temperature [degC],expansion [1/K]\n50,23e-6\n100,24e-6\n")
     text = FOAM.replace('{ law = "linear", modulus = "0.05 MPa" }', '{ table = "short.csv" }')
-    (shop / "short.toml").write_text(
-        text.replace('{ male = "23.6e-6 1/K"', '{ male = { table = "grow.csv" }')
-    )
+    (shop / "short.toml").write_text(text.replace('{ male = "23.6e-6 1/K"', '{ male = { table = "grow.csv" }'))
     _, document = press(shop, monkeypatch, gap="3mm", foam="short.toml", temperature="200degC")
     strain, expansion = document["validity"]
     assert (strain["of"], strain["known"], strain["within"]) == ("strain", [0.0, 0.1], False)
@@ -459,9 +449,7 @@ def test_a_table_used_beyond_its_rows_is_told(shop, monkeypatch, capsys):
 def mold_on_boards(folder, low=-40.0):
     """A heat document of a block at 200 degC on a board of 60 degC and under one of 20 degC; and the block's STL."""
     points, tets, celsius, part = [], [], [], []
-    for index, (bottom, top, degc) in enumerate(
-        ((low - 20.0, low, 60.0), (low, 0.0, 200.0), (80.0, 90.0, 20.0))
-    ):
+    for index, (bottom, top, degc) in enumerate(((low - 20.0, low, 60.0), (low, 0.0, 200.0), (80.0, 90.0, 20.0))):
         some, elements, faces = block(bottom, top)
         tets.append(elements + sum(map(len, points)))
         points.append(some)
@@ -501,9 +489,7 @@ def test_a_heat_model_without_the_mold_asks_for_the_part(tmp_path, monkeypatch, 
     mold_on_boards(tmp_path)
     for name in ("male.stl", "female.stl"):
         (tmp_path / name).write_bytes((shop / name).read_bytes())
-    with pytest.raises(
-        InputError, match=r"none of its parts is this mold: .*board lies .*name the part .*json:"
-    ):
+    with pytest.raises(InputError, match=r"none of its parts is this mold: .*board lies .*name the part .*json:"):
         press(tmp_path, monkeypatch, gap="3mm", male_heat="assembly.json")
     with pytest.raises(InputError, match=r"has no part cop.*board, cup, lid"):
         press(tmp_path, monkeypatch, gap="3mm", male_heat="assembly.json:cop")
@@ -529,12 +515,7 @@ def block(low, high, cells=4, side=80.0):
     across, up = np.linspace(-side / 2, side / 2, cells + 1), np.linspace(low, high, 3)
     points = np.stack(np.meshgrid(across, across, up, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(points)).reshape(cells + 1, cells + 1, 3)
-    corner = [
-        number[i : i + cells, j : j + cells, k : k + 2].ravel()
-        for i in (0, 1)
-        for j in (0, 1)
-        for k in (0, 1)
-    ]
+    corner = [number[i : i + cells, j : j + cells, k : k + 2].ravel() for i in (0, 1) for j in (0, 1) for k in (0, 1)]
     # Kuhn's six tetrahedra of a cell, all about its diagonal.
     paths = [(0, 4, 6, 7), (0, 6, 2, 7), (0, 2, 3, 7), (0, 3, 1, 7), (0, 1, 5, 7), (0, 5, 4, 7)]
     tets = np.concatenate([np.stack([corner[i] for i in path], axis=1) for path in paths])

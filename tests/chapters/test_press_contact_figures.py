@@ -21,9 +21,7 @@ def block(x, y, low, high, cells, slope=0.0):
     across = [np.linspace(-side / 2, side / 2, cells + 1) for side in (x, y)]
     plan = np.stack(np.meshgrid(*across, indexing="ij"), axis=-1).reshape(-1, 2)
     number = np.arange(len(plan)).reshape(cells + 1, cells + 1)
-    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(
-        -1, 4
-    )
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
     top = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
     ring = [*number[:, 0], *number[-1, 1:], *number[-2::-1, -1], *number[0, -2:0:-1]]
     side = [
@@ -93,9 +91,7 @@ def test_parallel_faces_hot(tmp_path, monkeypatch):
     assert found["sandwich_mm"] == pytest.approx(4.5, rel=1e-12)
     assert found["chord_error_mm"] == pytest.approx(0.0, abs=1e-9)
     assert found["border_area_fraction"] == found["oblique_area_fraction"] == 0.0
-    np.testing.assert_allclose(
-        found["force_stroke"], [[s, force * s / 1.5] for s in np.linspace(0, 1.5, 5)], atol=1e-6
-    )
+    np.testing.assert_allclose(found["force_stroke"], [[s, force * s / 1.5] for s in np.linspace(0, 1.5, 5)], atol=1e-6)
     assert sum(found["histogram"]["area_mm2"]) == pytest.approx(area, rel=1e-9)
     assert found["datum_mm"][2] == pytest.approx(0.0, abs=1e-9)
     assert found["gap_min_at_mm"][2] == pytest.approx(0.0, abs=1e-9)
@@ -106,9 +102,7 @@ def test_levers_between_parallel_faces(tmp_path, monkeypatch):
     shop(tmp_path)
     _, found = press(tmp_path, monkeypatch, gap="3mm", temperature="200degC", zero="hot")
     degree, strain = math.pi / 180.0, ALPHA * RISE
-    tilt = {
-        axis: degree * side * GROWN / math.sqrt(12.0) for axis, side in (("second", 80.0), ("first", 60.0))
-    }
+    tilt = {axis: degree * side * GROWN / math.sqrt(12.0) for axis, side in (("second", 80.0), ("first", 60.0))}
     # Rates of the hot faces: what has grown grows on.
     stated = {
         "stroke": (1.0, -1.0, 0.1),
@@ -236,8 +230,7 @@ def lathed(radius, height, around):
     """Points and outward facets of a surface turned about z, its profile from the top on the axis outward."""
     phi = 2.0 * np.pi * np.arange(around) / around
     rings = [
-        np.column_stack([r * np.cos(phi), r * np.sin(phi), 0.0 * phi + z])
-        for r, z in zip(radius, height, strict=True)
+        np.column_stack([r * np.cos(phi), r * np.sin(phi), 0.0 * phi + z]) for r, z in zip(radius, height, strict=True)
     ]
     j, faces = np.arange(around), []
     k = (j + 1) % around

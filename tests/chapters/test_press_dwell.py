@@ -74,9 +74,7 @@ def test_the_sample_textile_between_the_sample_plates(tmp_path, monkeypatch):
         if path.split("/")[1] in ("plate-male.stl", "plate-female.stl", "textile.toml", "foam.csv"):
             (tmp_path / path.split("/")[1]).write_bytes(data)
     files = {"male": "plate-male.stl", "female": "plate-female.stl", "foam": "textile.toml"}
-    _, document = press(
-        tmp_path, monkeypatch, **files, gap="4.5mm", zero="hot", temperature="200degC", dwell="4s"
-    )
+    _, document = press(tmp_path, monkeypatch, **files, gap="4.5mm", zero="hot", temperature="200degC", dwell="4s")
     assert document["warming"]["middle_mean_degC"] == pytest.approx(146.69, abs=0.005)
     assert document["warming"]["middle_spread_K"] == pytest.approx(0.0, abs=1e-6)
 
@@ -149,6 +147,4 @@ def test_what_the_dwell_needs_is_asked_for(plates, monkeypatch):
 def _heat(celsius):
     """A heat document without a field: its work surface tells the mold's temperature."""
     at = {"time_s": 0.0, "mean_degC": celsius, "min_degC": celsius, "max_degC": celsius, "spread_K": 0.0}
-    return json.dumps(
-        {**heat_document("-"), "files": [], "work_surface": {**at, "area_mm2": 1.0, "at_end": at}}
-    )
+    return json.dumps({**heat_document("-"), "files": [], "work_surface": {**at, "area_mm2": 1.0, "at_end": at}})

@@ -47,9 +47,7 @@ def form(folder, monkeypatch, more, **options):
 
 @pytest.mark.parametrize("more", ["", LAW])
 @pytest.mark.parametrize("dwell", [None, "5s"])
-def test_a_formed_thickness_is_told_where_dwell_and_set_tell_it_and_nowhere_else(
-    plates, monkeypatch, more, dwell
-):
+def test_a_formed_thickness_is_told_where_dwell_and_set_tell_it_and_nowhere_else(plates, monkeypatch, more, dwell):
     _, document = form(plates, monkeypatch, more, gap="2mm", temperature="200degC", dwell=dwell)
     told = bool(more and dwell)
     assert [key for key in ("formed", "wanted", "compensation", "final_thickness") if key in document] == (
@@ -90,15 +88,9 @@ def test_at_one_temperature_the_law_is_its_closed_form(plates, monkeypatch):
 
 
 def test_a_law_comes_back_from_thicknesses_that_it_left(plates, monkeypatch):
-    rows = [
-        (t, s, 5.0, 2.0, 5.0 - 3.0 * share(t, s))
-        for t in (150.0, 170.0, 190.0, 205.0)
-        for s in (10.0, 30.0, 90.0)
-    ]
+    rows = [(t, s, 5.0, 2.0, 5.0 - 3.0 * share(t, s)) for t in (150.0, 170.0, 190.0, 205.0) for s in (10.0, 30.0, 90.0)]
     head = "temperature [degC],dwell [s],before [mm],pressed [mm],after [mm]\n"
-    (plates / "set.csv").write_text(
-        head + "".join(",".join(repr(float(cell)) for cell in row) + "\n" for row in rows)
-    )
+    (plates / "set.csv").write_text(head + "".join(",".join(repr(float(cell)) for cell in row) + "\n" for row in rows))
     _, document = form(plates, monkeypatch, 'set = { measured = "set.csv" }\n' + HOT, gap="2mm", **DWELL)
     law = document["formed"]["set"]
     assert (law["rate_1_s"], law["activation_J_mol"]) == pytest.approx((RATE, ACTIVATION), rel=1e-6)
@@ -112,9 +104,7 @@ def test_a_table_is_read_between_its_rows_and_says_where_it_ends(plates, monkeyp
     rows = [(t, s, e, v) for (t, s, e), v in zip(
         [(t, s, e) for t in (160.0, 190.0) for s in (10.0, 40.0) for e in (0.2, 0.6)],
         (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8), strict=True)]  # fmt: skip
-    text = "temperature [degC],dwell [s],strain [-],set [-]\n" + "".join(
-        ",".join(map(str, r)) + "\n" for r in rows
-    )
+    text = "temperature [degC],dwell [s],strain [-],set [-]\n" + "".join(",".join(map(str, r)) + "\n" for r in rows)
     (plates / "set.csv").write_text(text)
     more = 'set = { table = "set.csv" }\ntemperature = "175 degC"\n'
     _, document = form(plates, monkeypatch, more, gap="2.7mm", temperature="175degC", dwell="25s")
@@ -149,9 +139,7 @@ def test_where_the_product_misses_what_is_wanted(plates, monkeypatch):
     assert np.sign(found["worst_at_mm"][0]) == -np.sign(found["worst_mm"])
     off = read_vtu((plates / "press.vtu").read_bytes(), "press.vtu").point_data["off_wanted_mm"]
     assert np.abs(off).max() == pytest.approx(0.4, abs=1e-9)
-    _, document = form(
-        plates, monkeypatch, "set = 1.0\n", **{**options, "wanted": "2.9 mm", "within": "0.05mm"}
-    )
+    _, document = form(plates, monkeypatch, "set = 1.0\n", **{**options, "wanted": "2.9 mm", "within": "0.05mm"})
     assert document["wanted"]["rms_mm"] == pytest.approx(0.1, abs=1e-9)
     assert document["wanted"]["outside_area_fraction"] == pytest.approx(1.0)
 
@@ -184,9 +172,7 @@ def test_the_compensated_cup_forms_what_is_wanted_and_so_does_its_stl(cups, monk
     assert back["formed"]["thickness_mean_mm"] == pytest.approx(3.0, abs=0.005)
 
 
-def test_an_uneven_wish_is_formed_too_with_hot_molds_that_warm_the_sandwich_for_a_short_time(
-    cups, monkeypatch
-):
+def test_an_uneven_wish_is_formed_too_with_hot_molds_that_warm_the_sandwich_for_a_short_time(cups, monkeypatch):
     """Where less has set, the gap must be smaller; foam that is thinner to one side and molds that grow come along."""
     rows = [(x, y, 0.0, 3.4 + 0.002 * x) for x in (-120.0, 120.0) for y in (-120.0, 120.0)]
     text = "x [mm],y [mm],z [mm],thickness [mm]\n" + "".join(",".join(map(str, row)) + "\n" for row in rows)

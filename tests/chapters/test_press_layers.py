@@ -24,9 +24,7 @@ def pressed(folder, monkeypatch, text, **options):
     return press(folder, monkeypatch, **{"gap": "3mm", **options})[1]
 
 
-@pytest.mark.parametrize(
-    ("celsius", "modulus"), [(20, 0.05), (100, 0.04), (180, 0.03), (200, 0.03), (-20, 0.05)]
-)
+@pytest.mark.parametrize(("celsius", "modulus"), [(20, 0.05), (100, 0.04), (180, 0.03), (200, 0.03), (-20, 0.05)])
 def test_the_law_is_that_of_the_molds_temperature(plates, monkeypatch, celsius, modulus):  # noqa: F811
     text = """compression = [
       { law = "linear", modulus = "0.03 MPa", temperature = "180 degC" },
@@ -58,9 +56,7 @@ def test_fabric_gives_way_by_its_curve_and_takes_its_share_of_the_closing(plates
     rigid = pressed(plates, monkeypatch, SPRING % "" + layers % "", gap="4mm")
     assert rigid["force_N"] == pytest.approx(0.02 * 0.25 * AREA, rel=1e-9)
     assert any("compression of the fabric" in line for line in rigid["left_out"])
-    soft = pressed(
-        plates, monkeypatch, SPRING % "" + layers % ', compression = { table = "knit.csv" }', gap="4mm"
-    )
+    soft = pressed(plates, monkeypatch, SPRING % "" + layers % ', compression = { table = "knit.csv" }', gap="4mm")
     assert soft["force_N"] == pytest.approx(AREA / (4.0 / 0.02 + 1.0 / 0.01), rel=1e-6)
     assert not any("compression of the fabric" in line for line in soft["left_out"])
     entry = next(one for one in soft["validity"] if one["of"] == "fabric.compression")

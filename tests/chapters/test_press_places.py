@@ -16,8 +16,7 @@ HEAD = 'format = "hyperfab.foam/1"\nthickness = "4 mm"\nexpansion = { male = "0 
 #: Softest half way: the mean of the stiffness is not the stiffness at the mean.
 AT, MODULUS = (20.0, 100.0, 180.0), (0.05, 0.02, 0.03)
 ROWS = [
-    f'{{ law = "linear", modulus = "{m} MPa", temperature = "{t} degC" }}'
-    for t, m in zip(AT, MODULUS, strict=True)
+    f'{{ law = "linear", modulus = "{m} MPa", temperature = "{t} degC" }}' for t, m in zip(AT, MODULUS, strict=True)
 ]
 LAWS = f"compression = [{', '.join(ROWS)}]\n"
 
@@ -114,8 +113,7 @@ def test_with_a_dwell_it_is_the_law_of_the_foams_middle(plates, monkeypatch, sec
     """A slab whose middle is known by its series, pressed by 25 %."""
     folder = plates()
     rows = [
-        f'{{ law = "linear", modulus = "{m} MPa", temperature = "{t} degC" }}'
-        for t, m in ((25, 0.05), (200, 0.03))
+        f'{{ law = "linear", modulus = "{m} MPa", temperature = "{t} degC" }}' for t, m in ((25, 0.05), (200, 0.03))
     ]
     document = pressed(
         folder,

@@ -55,9 +55,7 @@ def test_terms_of_zero_change_no_bit(shop, monkeypatch):
 
 def test_molds_that_do_not_grow_and_foam_that_does_not_shrink_change_no_bit(shop, monkeypatch):
     _, plain = press(shop, monkeypatch, gap="3mm")
-    still = (
-        FOAM.replace("23.6e-6 1/K", "0 1/K") + 'shrinkage = { amount = 0.0, time = "5 s", dwell = "40 s" }\n'
-    )
+    still = FOAM.replace("23.6e-6 1/K", "0 1/K") + 'shrinkage = { amount = 0.0, time = "5 s", dwell = "40 s" }\n'
     (shop / "still.toml").write_text(still)
     _, same = press(shop, monkeypatch, gap="3mm", foam="still.toml", temperature="200degC", tilt="0deg,0deg")
     for key in (

@@ -151,9 +151,7 @@ def test_the_last_field_is_that_of_closing_and_a_production_begins_from_a_warmup
     assert [row[0] for row in rows[1:]] == ["1", "2"]
     assert float(rows[1][2]) == pytest.approx(180.0, abs=0.01)
     # What it lies on counts, and half of the top and of the bottom is left to the air.
-    assert document["production"]["area_mm2"] == pytest.approx(
-        50.0 * (2 * 80.0 + 2 * 20.0) + 80.0 * 20.0, rel=1e-9
-    )
+    assert document["production"]["area_mm2"] == pytest.approx(50.0 * (2 * 80.0 + 2 * 20.0) + 80.0 * 20.0, rel=1e-9)
     assert json.loads((tmp_path / "made.json").read_text())["converged"]
 
 
@@ -191,9 +189,7 @@ def test_the_press_closes_on_the_mold_as_the_production_leaves_it(tmp_path, monk
         x, y, z = np.meshgrid(*np.stack([corner, far], axis=1), indexing="ij")
         quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
         faces = np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
-        (tmp_path / f"{name}.stl").write_bytes(
-            stl_bytes(np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), faces)
-        )
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1), faces))
     (tmp_path / "foam.toml").write_text(FOAM)
     _, made = heat(tmp_path, mold(PIECE + "pieces = 2\n", 180.0), "made")[:2]
     _, document = press(tmp_path, monkeypatch, gap="3mm", male_heat="made.json")

@@ -40,9 +40,7 @@ def write(path: Path, stress: np.ndarray, strain: np.ndarray, head: str = "") ->
     return path
 
 
-@pytest.mark.parametrize(
-    "name", [one.name for one in laws().values() if one.isotropic and not one.compressible]
-)
+@pytest.mark.parametrize("name", [one.name for one in laws().values() if one.isotropic and not one.compressible])
 def test_the_stress_is_the_slope_of_the_energy_along_the_shear_strain(name: str) -> None:
     law = laws()[name]
     constants = {
@@ -108,18 +106,14 @@ def test_displacement_and_force_of_a_sheared_layer(hf: Run, tmp_path: Path, head
     ],
 )
 def test_sizes_of_a_sheared_layer_are_asked_for(hf: Run, tmp_path: Path, head: str, said: str) -> None:
-    (tmp_path / "s.csv").write_text(
-        f"# test: simple shear\n{head}Displacement [mm],Force [N]\n0,0\n1,5\n2,9\n"
-    )
+    (tmp_path / "s.csv").write_text(f"# test: simple shear\n{head}Displacement [mm],Force [N]\n0,0\n1,5\n2,9\n")
     done = hf("fit", "s.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 3
     assert said in done.stderr.decode()
 
 
 def test_a_stress_that_no_shear_has_is_told_with_those_it_has(hf: Run, tmp_path: Path) -> None:
-    (tmp_path / "s.csv").write_text(
-        "# test: simple shear\nshear strain,membrane stress [N/mm]\n0,0\n1,5\n2,9\n"
-    )
+    (tmp_path / "s.csv").write_text("# test: simple shear\nshear strain,membrane stress [N/mm]\n0,0\n1,5\n2,9\n")
     done = hf("fit", "s.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 3
     assert 'name one "shear stress [MPa]" or "force [N]"' in done.stderr.decode()
@@ -137,9 +131,7 @@ def test_a_law_without_a_say_refuses_it(hf: Run, tmp_path: Path, model: str) -> 
     write(tmp_path / "s.csv", ogden(STRAIN), STRAIN)
     done = hf("fit", "s.csv", "--model", model, cwd=tmp_path)
     assert done.returncode == 3
-    assert (
-        "is a test in simple shear, which only isotropic laws that keep their volume" in done.stderr.decode()
-    )
+    assert "is a test in simple shear, which only isotropic laws that keep their volume" in done.stderr.decode()
     assert "or such a law: --model all" in done.stderr.decode()
 
 

@@ -118,9 +118,7 @@ def bands(document: Mapping[str, Any]) -> dict[str, Any]:
 def fabric(constants: Mapping[str, float] = CONSTANTS) -> bytes:
     """Return a fabric whose last two constants are unsure."""
     order = list(CONSTANTS)
-    covariance = np.diag(
-        [0.0, (SHARE * CONSTANTS["C20_MPa"]) ** 2, (SHARE * CONSTANTS["C30_MPa"]) ** 2]
-    ).tolist()
+    covariance = np.diag([0.0, (SHARE * CONSTANTS["C20_MPa"]) ** 2, (SHARE * CONSTANTS["C30_MPa"]) ** 2]).tolist()
     sure = {
         "order": order,
         "covariance": covariance,
@@ -210,7 +208,5 @@ def test_constants_of_a_draped_fabric_reach_the_pressures_of_the_press() -> None
 
 def test_what_hands_nothing_on_is_said() -> None:
     made(("mold-heat", "mold.toml"), "heat.json", mold__toml=JOINED.replace(" +- 20 %", "").encode())
-    found = made(
-        (*HOT[:-1], "3.8mm +- 0.1mm", "--female", "upper.stl", "--uncertainty", "linear"), "press.json"
-    )
+    found = made((*HOT[:-1], "3.8mm +- 0.1mm", "--female", "upper.stl", "--uncertainty", "linear"), "press.json")
     assert "heat.json: how its field goes with its inputs" in found["uncertainty"]["left_out"]

@@ -59,9 +59,7 @@ def heated(mold: str, *words: str, target: str = "-") -> Made:
         pytest.param('until = "15 s"', FILM, marks=pytest.mark.slow),
     ],
 )
-def test_on_the_states_of_a_run_as_in_runs_of_their_own(
-    h: str, end: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_on_the_states_of_a_run_as_in_runs_of_their_own(h: str, end: str, monkeypatch: pytest.MonkeyPatch) -> None:
     mold = UNSURE.replace(FILM, h).replace('target = "200 degC"', end)
     near = heated(mold, "--uncertainty", "linear").document["uncertainty"]["quantities"]
     monkeypatch.setattr(recipe.nearby, "beside", lambda *given: None)
@@ -103,20 +101,14 @@ def filmed(rows: str, *words: str, mold: str = FINE) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("way", ["on the states of the run", "run anew"])
-def test_a_table_of_films_that_says_how_sure_it_is_errs_as_one(
-    way: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_table_of_films_that_says_how_sure_it_is_errs_as_one(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """All rows by their standard deviations at once: the half difference of two runs with other tables."""
     if way == "run anew":
         monkeypatch.setattr(recipe.nearby, "beside", lambda *given: None)
     mold = FINE.replace('target = "200 degC"', 'until = "900 s"').replace("3000 W", "300 W")
-    sure = filmed(SURE_FILM.format(1, 2, 1.5), "--uncertainty", "linear", mold=mold)["uncertainty"][
-        "quantities"
-    ]
+    sure = filmed(SURE_FILM.format(1, 2, 1.5), "--uncertainty", "linear", mold=mold)["uncertainty"]["quantities"]
     plain = "temperature [degC],h [W/m^2/K]\n"
-    up, down = (
-        filmed(plain + rows, mold=mold) for rows in ("25,6\n100,11\n250,14.5\n", "25,4\n100,7\n250,11.5\n")
-    )
+    up, down = (filmed(plain + rows, mold=mold) for rows in ("25,6\n100,11\n250,14.5\n", "25,4\n100,7\n250,11.5\n"))
     for group, key in (("energy", "lost_J"), ("work_surface", "mean_degC")):
         band, exact = sure[f"{group}.{key}"], 0.5 * abs(up[group][key] - down[group][key])
         assert band["sd"] == pytest.approx(exact, rel=0.01)
@@ -131,9 +123,7 @@ def test_a_table_without_a_column_of_standard_deviations_says_nothing() -> None:
 def test_many_runs_are_parabolas_between_a_few(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two heaters that err apart: the evenness bends, as which end is the warmer one changes from draw to draw."""
     heater = '[[heater]]\non = "plate.{0}"\npower = "300 W +- 4 %"\n'
-    mold = FINE.replace(
-        '[[heater]]\non = "plate.z-"\npower = "3000 W"\n', heater.format("x-") + heater.format("x+")
-    )
+    mold = FINE.replace('[[heater]]\non = "plate.z-"\npower = "3000 W"\n', heater.format("x-") + heater.format("x+"))
     runs: list[Any] = []
     run = problem_nearby.Neighbourhood.run
     monkeypatch.setattr(problem_nearby.Neighbourhood, "run", lambda *given: (runs.append(1), run(*given))[1])

@@ -48,9 +48,7 @@ PRESS = ("press-contact", "--male", "male.stl", "--female", "female.stl", "--foa
          "--strokes", "2")  # fmt: skip
 FOAM = 'format = "hyperfab.foam/1"\nthickness = "4.5 mm"\ncompression = { law = "linear", modulus = "0.05 MPa" }\n'
 BRIEF = PLATE.replace('target = "200 degC"', 'until = "20 s"')
-INSULATED = PLATE.replace(
-    '[[convection]]\non = "exposed"\nh = { table = "film.csv" }\nambient = "25 degC"\n', ""
-)
+INSULATED = PLATE.replace('[[convection]]\non = "exposed"\nh = { table = "film.csv" }\nambient = "25 degC"\n', "")
 
 
 def material(covariance: Any = None, freedom: float = 0, law: float | None = None, **more: Any) -> bytes:
@@ -200,9 +198,7 @@ def test_samples_agree_with_the_linear_answer_where_that_holds(made: Any) -> Non
     sampled = made((*CONTACT, "--uncertainty", "sampled"), fabric_json=material(spread))
     assert sampled["uncertainty"]["samples"] == 400
     # The edge of contact jumps on its mesh as nodes come to touch: it is not drawn.
-    assert set(linear["uncertainty"]["quantities"]) - set(sampled["uncertainty"]["quantities"]) == {
-        "contact_radius_mm"
-    }
+    assert set(linear["uncertainty"]["quantities"]) - set(sampled["uncertainty"]["quantities"]) == {"contact_radius_mm"}
     for key in ("force_N", "energy_J", "stress_max_MPa"):
         band = linear["uncertainty"]["quantities"][key]
         again = sampled["uncertainty"]["quantities"][key]
@@ -225,11 +221,7 @@ def test_the_straight_line_is_left_where_it_misses_the_ends_of_the_interval(
     del words[CONTACT.index("--depth") : CONTACT.index("--depth") + 2]
     straight = made((*words, "--uncertainty", "linear"), fabric_json=material())["uncertainty"]["quantities"]
     drawn = made((*words, "--uncertainty", "sampled"), fabric_json=material())["uncertainty"]["quantities"]
-    off = max(
-        abs(straight[key][end] - drawn[key][end]) / drawn[key]["sd"]
-        for key in drawn
-        for end in ("low", "high")
-    )
+    off = max(abs(straight[key][end] - drawn[key][end]) / drawn[key]["sd"] for key in drawn for end in ("low", "high"))
     assert (off > 0.25) == (method == "sampled")
     chosen = made(tuple(words), fabric_json=material())["uncertainty"]
     assert chosen["method"] == method
@@ -238,9 +230,7 @@ def test_the_straight_line_is_left_where_it_misses_the_ends_of_the_interval(
 
 
 def test_a_drape_goes_with_all_stiffness(made: Any) -> None:
-    found = made(
-        (*DRAPE, "--tolerance", "1e-10", "--uncertainty", "linear"), fabric_json=material(scaled(0.03))
-    )
+    found = made((*DRAPE, "--tolerance", "1e-10", "--uncertainty", "linear"), fabric_json=material(scaled(0.03)))
     for key in ("force_N", "energy_J", "stress_warp_max_MPa"):
         assert relative(found, key) == pytest.approx(0.03, rel=1e-6)
     slopes = found["uncertainty"]["quantities"]["force_N"]["sensitivities"]
@@ -264,9 +254,7 @@ def test_the_sensitivities_of_a_drape_are_those_of_drapes_found_anew(made: Any, 
         for key in ("force_N", "energy_J"):
             again = (up[key] - down[key]) / (0.01 * value)
             # Nodes that come to the mold or leave it between the two are a difference's own error.
-            assert bands[key]["sensitivities"][f"fabric.json: parameters.{name}"] == pytest.approx(
-                again, rel=2e-3
-            )
+            assert bands[key]["sensitivities"][f"fabric.json: parameters.{name}"] == pytest.approx(again, rel=2e-3)
 
 
 def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:

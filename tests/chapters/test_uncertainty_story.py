@@ -13,12 +13,8 @@ SCRIPT = ROOT / "benchmarks" / "next_test.py"
 
 def test_the_test_that_was_done_brought_what_was_foretold():
     lines = PAGE.read_text(encoding="utf-8").splitlines()
-    rows = [
-        [cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| 3 of warp")
-    ]
-    truth = float(
-        next(line for line in lines if "true force" in line).split("true force is ")[1].split(" N")[0]
-    )
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines if line.startswith("| 3 of warp")]
+    truth = float(next(line for line in lines if "true force" in line).split("true force is ")[1].split(" N")[0])
     assert len(rows) >= 2
     for row in rows:
         low, high = map(float, row[2].split(" to "))

@@ -95,9 +95,7 @@ def test_the_summary_tells_it(traced: tuple[Path, dict[str, Any]]) -> None:
 def test_only_a_press_or_a_drape_is_traced(hf: Run, traced: tuple[Path, dict[str, Any]]) -> None:
     done = hf("close-loop", "fabric.json", "film.csv", "--upstream", cwd=traced[0])
     assert done.returncode == 2
-    assert (
-        "--upstream is for a press or a drape document, and the model is a material" in done.stderr.decode()
-    )
+    assert "--upstream is for a press or a drape document, and the model is a material" in done.stderr.decode()
 
 
 def test_a_force_over_stroke_alone_is_not_traced(hf: Run, traced: tuple[Path, dict[str, Any]]) -> None:

@@ -103,9 +103,7 @@ def test_a_stretch_beyond_the_tests_is_told_and_refused_by_strict(
     hf: Run, shop: Path, command: tuple[str, ...], tested: float | None
 ) -> None:
     tests = None if tested is None else {"uniaxial": {"stretch": [1.0, tested]}}
-    (shop / "fabric.json").write_text(
-        json.dumps({k: v for k, v in document(tested=tests).items() if v is not None})
-    )
+    (shop / "fabric.json").write_text(json.dumps({k: v for k, v in document(tested=tests).items() if v is not None}))
     done = hf(*command, "--strict", cwd=shop)
     found = json.loads(done.stdout)
     stretches = [one for one in found["validity"] if one["of"] == "stretch"]
@@ -144,9 +142,7 @@ def test_all_readers_of_a_material_document_take_the_same_law_from_it(hf: Run, s
     (shop / "fabric.json").write_text(json.dumps({k: v for k, v in given.items() if v is not None}))
     factor = np.exp(-0.005 * (83.0 - 23.0))
     for command in (CONTACT, DRAPE):
-        cold, warm = (
-            json.loads(hf(*command, "--temperature", at, cwd=shop).stdout) for at in ("23degC", "83degC")
-        )
+        cold, warm = (json.loads(hf(*command, "--temperature", at, cwd=shop).stdout) for at in ("23degC", "83degC"))
         assert warm["force_N"] == pytest.approx(factor * cold["force_N"], rel=1e-6)
     plain = document(temperatures=None, effects=[soft])
     (shop / "plain.json").write_text(json.dumps({k: v for k, v in plain.items() if v is not None}))
@@ -168,13 +164,9 @@ def test_export_says_no_effect_is_missing_that_its_constants_have(hf: Run, shop:
     assert "thermal-softening" not in told
 
 
-def test_a_fit_notes_the_stretches_it_predicts_beyond_those_it_fitted(
-    hf: Run, root: Path, tmp_path: Path
-) -> None:
+def test_a_fit_notes_the_stretches_it_predicts_beyond_those_it_fitted(hf: Run, root: Path, tmp_path: Path) -> None:
     tests = [
-        word
-        for name in ("uniaxial", "biaxial")
-        for word in (f"--{name}", root / f"specimens/treloar-1944/{name}.csv")
+        word for name in ("uniaxial", "biaxial") for word in (f"--{name}", root / f"specimens/treloar-1944/{name}.csv")
     ]
     done = hf("fit", *tests, "--model", "gent", "--fit-on", "biaxial", "--strict", "--accept", "10")
     assert done.returncode == 1
@@ -186,19 +178,14 @@ def test_a_fit_notes_the_stretches_it_predicts_beyond_those_it_fitted(
 
 def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -> None:
     ranges = Ranges()
-    ranges.used(
-        "film.csv", [30.0, 250.0 * (1.0 + 1e-12)], known=[25.0, 250.0], source="mold.toml", unit="degC"
-    )
+    ranges.used("film.csv", [30.0, 250.0 * (1.0 + 1e-12)], known=[25.0, 250.0], source="mold.toml", unit="degC")
     assert not ranges.outside
     ranges.used("film.csv", [np.nan, 20.0], known=[25.0, 250.0], source="mold.toml", unit="degC", then="held")
     ranges.used("stretch", 1.2, known=None, source="a.json")
     ranges.used("stretch", [], known=(1.0, 1.1), source="b.json")
     assert [one.within for one in ranges.entries] == [False, None]
     assert ranges.entries[0].used == (20.0, pytest.approx(250.0))
-    assert (
-        ranges.warning
-        == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
-    )
+    assert ranges.warning == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
 
 
 @pytest.mark.slow

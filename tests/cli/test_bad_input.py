@@ -99,9 +99,7 @@ def mold(name: str, old: str, new: str, *said: str) -> Bad:
 
 def foam(name: str, old: str, new: str, *said: str) -> Bad:
     assert old in FOAM
-    return Bad(
-        f"foam {name}", (*PRESS, "--gap", "3mm"), 3, said, {"foam.toml": FOAM.replace(old, new, 1).encode()}
-    )
+    return Bad(f"foam {name}", (*PRESS, "--gap", "3mm"), 3, said, {"foam.toml": FOAM.replace(old, new, 1).encode()})
 
 
 def usage(name: str, *arguments: str, said: tuple[str, ...], status: int = 2) -> Bad:
@@ -278,9 +276,7 @@ def prepare(folder: Path) -> None:
 
 
 def everything(folder: Path) -> dict[str, bytes]:
-    return {
-        path.name: path.read_bytes() for path in folder.iterdir() if path.is_file() and path.name != ".record"
-    }
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file() and path.name != ".record"}
 
 
 #: Each command's first case, and those that could fill the memory, are measured from the start of the interpreter on.

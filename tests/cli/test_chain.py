@@ -103,13 +103,8 @@ def test_summary_reads_what_fit_wrote(hf: Run, tmp_path: Path, quiet: list[str])
 
 def test_close_loop_extends_a_fabric_that_drape_takes(hf: Run, tmp_path: Path) -> None:
     warp = tmp_path / "warp.json"
-    assert (
-        hf("fit", "--uniaxial", "specimens/lycra/warp-23C.csv", "--model", "yeoh-3", "-o", warp).returncode
-        == 0
-    )
-    tests = [
-        f"--measured=specimens/lycra/{way}-{heat}C.csv" for way in ("warp", "weft") for heat in (23, 80, 105)
-    ]
+    assert hf("fit", "--uniaxial", "specimens/lycra/warp-23C.csv", "--model", "yeoh-3", "-o", warp).returncode == 0
+    tests = [f"--measured=specimens/lycra/{way}-{heat}C.csv" for way in ("warp", "weft") for heat in (23, 80, 105)]
     assert hf("close-loop", warp, *tests, "-o", tmp_path / "loop.json").returncode == 0
     found = json.loads((tmp_path / "loop.json").read_bytes())
     assert [effect["id"] for effect in found["effects"]] == ["anisotropy", "thermal-softening"]

@@ -113,7 +113,5 @@ def test_the_loop_reads_as_the_fit_does(hf: Run, tmp_path: Path) -> None:
     for key in ("verdict", "effects", "constants", "error", "noise"):
         assert first[key] == second[key]
     assert any("Kraft is force [N]" in line for line in second["preparation"])
-    chosen = hf(
-        "close-loop", "m.json", "--uniaxial", "bare.csv", *sizes, "--preload", "2N", *noise, cwd=tmp_path
-    )
+    chosen = hf("close-loop", "m.json", "--uniaxial", "bare.csv", *sizes, "--preload", "2N", *noise, cwd=tmp_path)
     assert any("slack taken out" in line for line in json.loads(chosen.stdout)["preparation"])

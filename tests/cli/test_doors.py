@@ -87,9 +87,7 @@ def test_version_is_the_package_version(hf: Run) -> None:
     assert hf("--version").stdout.decode() == f"hf {__version__}\n"
 
 
-@pytest.mark.parametrize(
-    "arguments", [["nonsense"], ["fit", "--nonsense"], ["drape"], ["schema", "nonsense"], []]
-)
+@pytest.mark.parametrize("arguments", [["nonsense"], ["fit", "--nonsense"], ["drape"], ["schema", "nonsense"], []])
 def test_bad_usage_is_status_2_and_says_why(hf: Run, arguments: list[str]) -> None:
     done = hf(*arguments)
     assert done.returncode == 2

@@ -88,9 +88,7 @@ def without(document: dict[str, Any], stem: str = "a") -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module", params=RUNS)
-def made(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, hf: Run
-) -> tuple[str, Path]:
+def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, hf: Run) -> tuple[str, Path]:
     """A folder in which a command was run: its document is ``a.json``."""
     folder = tmp_path_factory.mktemp("like") / "shop"
     folder.mkdir()
@@ -195,9 +193,7 @@ def drape(tmp_path: Path, hf: Run) -> Path:
     return tmp_path
 
 
-def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(
-    tmp_path: Path, hf: Run
-) -> None:
+def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(tmp_path: Path, hf: Run) -> None:
     folder = drape(tmp_path, hf)
     (folder / "molds").mkdir()
     (folder / "ball.stl").rename(folder / "molds" / "ball.stl")

@@ -134,9 +134,7 @@ def test_a_misspelt_key_and_option_are_met_with_the_right_ones(hf: Run, root: Pa
 def test_warnings_are_counted_at_the_end(hf: Run, root: Path, tmp_path: Path) -> None:
     rows = "".join(f"{1 + k / 20},{k * 0.01 * (1.5 if k == 5 else 1)}\n" for k in range(20))
     for name in "ab":
-        (tmp_path / f"{name}.csv").write_text(
-            f"# test: uniaxial\n# direction: {name}\nstretch,stress [MPa]\n{rows}"
-        )
+        (tmp_path / f"{name}.csv").write_text(f"# test: uniaxial\n# direction: {name}\nstretch,stress [MPa]\n{rows}")
     done = hf("fit", "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "ogden-3", cwd=tmp_path)
     warned = done.stderr.count(b"hf: warning:")
     assert (f"{warned} warnings".encode() in done.stderr) == (warned > 1)

@@ -42,9 +42,7 @@ def test_stress_at_a_node_is_the_mean_of_the_springs_on_both_sides():
     assert fields.stress_weft == pytest.approx(np.zeros((4, 3)), abs=1e-12)
     assert fields.slack_springs == 0
     assert fields.cell_stretch_warp == pytest.approx(np.repeat([[1.2], [1.5], [1.1]], 2, axis=1), rel=1e-12)
-    assert fields.cell_thickness == pytest.approx(
-        0.5 / np.repeat([[1.2], [1.5], [1.1]], 2, axis=1), rel=1e-12
-    )
+    assert fields.cell_thickness == pytest.approx(0.5 / np.repeat([[1.2], [1.5], [1.1]], 2, axis=1), rel=1e-12)
 
 
 def test_stress_along_the_weft_too():

@@ -31,9 +31,7 @@ def star(rng: np.random.Generator, rays: int) -> Surface:
     k = np.arange(rays)
     on, foot = (k + 1) % rays, 0 * k + rays + 1
     points = np.vstack([ring, [[0.0, 0.0, 0.0], [0.0, 0.0, -200.0]]])
-    return Surface(
-        points, np.vstack([np.column_stack([k, on, 0 * k + rays]), np.column_stack([on, k, foot])])
-    )
+    return Surface(points, np.vstack([np.column_stack([k, on, 0 * k + rays]), np.column_stack([on, k, foot])]))
 
 
 def chords(surface: Surface, rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -67,9 +65,7 @@ def bent(surface: Surface, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarr
     alone[:, :, 1] = True
     springs, ways = np.empty((count, 4), np.int64), np.empty((count, 13))
     nodes = np.stack([start, end])
-    found = find_bends(
-        nodes, np.zeros((2, count)), mold, alone, farthest(mold.creases), springs, ways, 0, 2, 0
-    )
+    found = find_bends(nodes, np.zeros((2, count)), mold, alone, farthest(mold.creases), springs, ways, 0, 2, 0)
     over, length = np.zeros(count, np.bool_), np.linalg.norm(end - start, axis=1)
     over[springs[:found, 1]], length[springs[:found, 1]] = True, ways[:found, 12]
     return over, length
@@ -91,9 +87,7 @@ def test_a_way_that_passes_a_corner_outside_the_mold_is_left_straight(rays):
         entering, passing = entering + (inside > 0.1).sum(), passing + (inside == 0.0).sum()
         laid += (over & (inside > 0.1)).sum()
     assert passing > 500
-    assert (
-        laid > 0.8 * entering
-    )  # the others enter where an edge turns by too little to bend a spring, or inward
+    assert laid > 0.8 * entering  # the others enter where an edge turns by too little to bend a spring, or inward
 
 
 @pytest.mark.parametrize(("size", "n"), [(60.0, 25), (300.0, 81), (300.0, 161), (1000.0, 101)])

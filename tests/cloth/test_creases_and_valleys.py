@@ -41,9 +41,7 @@ def test_a_node_stays_in_a_valley_where_the_force_pushes_to_it_from_both_sides(s
     turn = Rotation.random(random_state=seed).as_matrix()
     slope = random.uniform(0.2, 2.0, 2)
     # The edge along y; one facet rises to -x, the other to +x.
-    points = np.array(
-        [[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [-4.0, 2.0, 4.0 * slope[0]], [4.0, 3.0, 4.0 * slope[1]]]
-    )
+    points = np.array([[0.0, 0.0, 0.0], [0.0, 5.0, 0.0], [-4.0, 2.0, 4.0 * slope[0]], [4.0, 3.0, 4.0 * slope[1]]])
     mold = mold_of(Surface(points @ turn.T, np.array([[0, 1, 2], [1, 0, 3]])))
     left = next(s for s in range(2) if 2 in mold.vertex[s])
     to_edge = [

@@ -95,9 +95,7 @@ def test_the_deepest_point_is_never_shallower_than_any_sample_and_no_deeper_than
             assert depth >= max(sampled.max(), 0.0) - SURE
             assert depth <= max(sampled.max() + 0.5 * step, 0.0) + SURE
             if depth > 0.0:
-                assert -surface.nearest(a[k] + share * (b[k] - a[k])).distance[0] == pytest.approx(
-                    depth, abs=1e-9
-                )
+                assert -surface.nearest(a[k] + share * (b[k] - a[k])).distance[0] == pytest.approx(depth, abs=1e-9)
 
 
 def test_chords_on_a_ball_cut_the_sagitta():

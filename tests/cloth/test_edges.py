@@ -63,12 +63,8 @@ def test_the_energy_on_a_box_settles_as_the_grid_is_refined():
 
 def test_a_row_over_a_wedge_has_one_tension_and_the_exact_length():
     # Symmetric ridge along y, its line at z = 30: the row is straight from the clamps to the ridge.
-    ridge = np.array(
-        [[0, -60, 30.0], [0, 60, 30], [-60, -60, -90], [-60, 60, -90], [60, -60, -90], [60, 60, -90]]
-    )
-    wedge = Surface(
-        ridge, [[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5], [0, 2, 4], [1, 5, 3], [2, 3, 4], [3, 5, 4]]
-    )
+    ridge = np.array([[0, -60, 30.0], [0, 60, 30], [-60, -60, -90], [-60, 60, -90], [60, -60, -90], [60, 60, -90]])
+    wedge = Surface(ridge, [[0, 1, 2], [1, 3, 2], [0, 4, 1], [1, 4, 5], [0, 2, 4], [1, 5, 3], [2, 3, 4], [3, 5, 4]])
     if wedge.soundness().volume_mm3 < 0:
         wedge = Surface(ridge, wedge.faces[:, ::-1])
     mold = mold_of(wedge)
@@ -138,9 +134,7 @@ def test_a_sheet_that_hangs_on_two_ridges_rests_on_its_springs_alone(n, depth):
         (40.0, 10.0, 42, False, 60, 20.0),
     ],
 )
-def test_edges_of_facets_shorter_than_the_springs_keep_no_equilibrium_away(
-    half, height, cells, turned, n, depth
-):
+def test_edges_of_facets_shorter_than_the_springs_keep_no_equilibrium_away(half, height, cells, turned, n, depth):
     surface = saddle(half, height, cells, turned)
     mold = mold_of(surface, under(surface, depth))
     sheet = Sheet(n, n, (220.0, 220.0), 1.0, WARP, WEFT)

@@ -39,8 +39,7 @@ def test_no_node_feels_a_force_it_can_follow_and_none_is_inside(mold, found):
     assert distance.min() >= -1e-9
     assert np.abs(distance[(found.state.contact != 0).ravel()]).max() <= 1e-9
     assert (
-        fields.contact_force[found.state.contact != 0]
-        * (found.state.x - [0, 0, 20.0])[found.state.contact != 0]
+        fields.contact_force[found.state.contact != 0] * (found.state.x - [0, 0, 20.0])[found.state.contact != 0]
     ).sum(1).min() >= 0
 
 
@@ -58,9 +57,7 @@ def test_the_energy_grows_by_the_press_force_times_the_way(mold):
     for way in (-h, h):  # from the rest position moved with the mold, so that no node changes its facet
         moved = mold_of(BALL, (0.0, 0.0, 20.0 + way))
         x = rest.state.x + np.where(rest.state.contact != 0, way, 0.0)[:, :, None] * [0.0, 0.0, 1.0]
-        energies.append(
-            equilibrium(sheet, moved, settled(x, moved, sheet, np.full((61, 61), 1e-6)), 1e-10).energy
-        )
+        energies.append(equilibrium(sheet, moved, settled(x, moved, sheet, np.full((61, 61), 1e-6)), 1e-10).energy)
     force = answers(sheet, mold, rest).press_force
     assert (energies[1] - energies[0]) / (2 * h) == pytest.approx(force, rel=1e-6)
 

@@ -132,9 +132,7 @@ def test_the_edges_under_a_blank_holder_are_clamped_and_no_others():
     for held in range(4):
         edges, holder = [Z, Y, X, FIXED], [0.0] * 4
         holder[held] = 0.1
-        sheet = clamped(
-            Sheet(5, 5, (10.0, 10.0), 1.0, RUBBER, RUBBER, edges=tuple(edges), holder=tuple(holder))
-        )
+        sheet = clamped(Sheet(5, 5, (10.0, 10.0), 1.0, RUBBER, RUBBER, edges=tuple(edges), holder=tuple(holder)))
         edges[held] = FIXED
         assert sheet.edges == tuple(edges)
         assert sheet.holder == (0.0, 0.0, 0.0, 0.0)

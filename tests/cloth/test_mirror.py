@@ -26,9 +26,7 @@ def cone(sections: int, begin: float, half_angle: float, cut: float = 0.0) -> tu
     if cut > 0.0:
         height *= 1.0 - cut
         rim = cut * ring + [0.0, 0.0, height]
-        points = (
-            np.vstack([ring, rim, [[0.0, 0.0, height], [0.0, 0.0, 0.0]]]).astype(np.float32).astype(float)
-        )
+        points = np.vstack([ring, rim, [[0.0, 0.0, height], [0.0, 0.0, 0.0]]]).astype(np.float32).astype(float)
         low, high, top, foot = k, k + sections, 0 * k + 2 * sections, 0 * k + 2 * sections + 1
         sides = [
             (low, on, on + sections),
@@ -43,9 +41,7 @@ def cone(sections: int, begin: float, half_angle: float, cut: float = 0.0) -> tu
 
 
 def unevenness(x):
-    return max(
-        np.abs(image - x).max() for image in (x[::-1] * [-1.0, 1.0, 1.0], x[:, ::-1] * [1.0, -1.0, 1.0])
-    )
+    return max(np.abs(image - x).max() for image in (x[::-1] * [-1.0, 1.0, 1.0], x[:, ::-1] * [1.0, -1.0, 1.0]))
 
 
 @pytest.mark.parametrize("begin", [0.0, 0.5])  # ridges in the planes between the halves, or facets

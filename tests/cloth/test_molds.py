@@ -56,9 +56,7 @@ def test_two_molds_side_by_side_carry_the_sheet_together():
     one.apply_translation([-40, 0, 0])
     two.apply_translation([40, 0, 8])
     both = trimesh.util.concatenate([one, two])
-    found, _ = at_rest(
-        Sheet(61, 61, (200.0, 200.0), 1.0, SOFT, SOFT), Surface(both.vertices, both.faces), (0, 0, 10.0)
-    )
+    found, _ = at_rest(Sheet(61, 61, (200.0, 200.0), 1.0, SOFT, SOFT), Surface(both.vertices, both.faces), (0, 0, 10.0))
     touching = found.state.x[found.state.contact != 0]
     assert (touching[:, 0] < 0).any()
     assert (touching[:, 0] > 0).any()

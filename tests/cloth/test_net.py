@@ -77,8 +77,7 @@ def test_multigrid_keeps_the_number_of_inner_steps_as_the_grid_grows(sheared):
         normal /= np.linalg.norm(normal, axis=2, keepdims=True)
         q = (
             np.eye(3)
-            - (normal[..., None] * normal[..., None, :])
-            * ((i - 0.5) ** 2 + (j - 0.5) ** 2 < 0.1)[..., None, None]
+            - (normal[..., None] * normal[..., None, :]) * ((i - 0.5) ** 2 + (j - 0.5) ** 2 < 0.1)[..., None, None]
         )
         q[sheet.fixed == FIXED] = 0
         tangent.q[:] = q[..., [0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]]

@@ -36,9 +36,7 @@ FABRIC = RelaxedSheet(
 FAR = mold_of(ball(1), (0.0, 0.0, -500.0))
 
 
-def disc(
-    n: int, m: int, law: MembraneLaw, size: tuple[float, float] = (200.0, 200.0), **options: Any
-) -> Sheet:
+def disc(n: int, m: int, law: MembraneLaw, size: tuple[float, float] = (200.0, 200.0), **options: Any) -> Sheet:
     return Sheet(n, m, size, 1.0, THREADS, THREADS, membrane=law, round=True, **options)
 
 
@@ -61,9 +59,7 @@ class Turned:
     @property
     def _turn(self) -> Array:
         c, s = np.cos(self.angle), np.sin(self.angle)
-        return np.array(
-            [[c * c, s * s, 2 * c * s], [s * s, c * c, -2 * c * s], [-c * s, c * s, c * c - s * s]]
-        )
+        return np.array([[c * c, s * s, 2 * c * s], [s * s, c * c, -2 * c * s], [-c * s, c * s, c * c - s * s]])
 
     def __call__(self, strain: Array) -> Any:
         turn = self._turn
@@ -112,9 +108,7 @@ def test_a_disc_stretched_both_ways_has_the_exact_stress_energy_and_weight_in_ev
     assert said.stretch_warp == pytest.approx(np.full((12, 8), 1.3), rel=1e-9)
     assert said.cell_shear == pytest.approx(np.zeros((12, 8)), abs=1e-7)
     assert said.cell_thickness == pytest.approx(np.full((12, 8), 1.0 / 1.43), rel=1e-9)
-    rim = np.concatenate(
-        [sheet.flat()[s] for s in (np.s_[:-1, 0], np.s_[-1, :-1], np.s_[:0:-1, -1], np.s_[0, :0:-1])]
-    )
+    rim = np.concatenate([sheet.flat()[s] for s in (np.s_[:-1, 0], np.s_[-1, :-1], np.s_[:0:-1, -1], np.s_[0, :0:-1])])
     area = 0.5 * abs(np.sum(rim[:, 0] * np.roll(rim[:, 1], -1) - rim[:, 1] * np.roll(rim[:, 0], -1))) / 1.43
     assert found.energy == pytest.approx(float(law(strain).energy[0]) * area, rel=1e-12)
     assert sheet.arrays.weight.sum() == pytest.approx(area * 180.0 * 9.80665e-9, rel=1e-12)
@@ -170,9 +164,7 @@ def test_a_disc_does_not_tell_how_its_fabric_lies_in_it():
     """The grid has its own directions, the fabric has others: what a turn changes is an error of second order."""
     mold, spread = raised(sphere(), 50.0), []
     for n in (31, 61):
-        forces = [
-            rests(disc(n, n, Turned(FABRIC, a)), mold)[1].press_force for a in (0.0, np.pi / 6, np.pi / 4)
-        ]
+        forces = [rests(disc(n, n, Turned(FABRIC, a)), mold)[1].press_force for a in (0.0, np.pi / 6, np.pi / 4)]
         spread.append(np.ptp(forces) / np.mean(forces))
     assert spread[1] < 1e-3
     assert spread[1] < 0.4 * spread[0]

@@ -108,8 +108,7 @@ def test_a_ball_under_a_sheet_that_resists_shear_is_found_by_two_solvers(n, m, m
 def test_the_energy_of_a_sheared_sheet_converges_as_the_grid_is_refined():
     mold = mold_of(ball(6), (0.0, 0.0, 20.0))
     e = [
-        drape(Sheet(n, n, (200.0, 200.0), 1.0, SOFT, SOFT, shear=linear_shear(0.1)), mold).energy
-        for n in (26, 51, 101)
+        drape(Sheet(n, n, (200.0, 200.0), 1.0, SOFT, SOFT, shear=linear_shear(0.1)), mold).energy for n in (26, 51, 101)
     ]
     assert (e[1] - e[0]) / (e[2] - e[1]) == pytest.approx(4.0, abs=1.2)
 

@@ -124,9 +124,7 @@ PLATE: dict[str, Any] = {
         ({"run": PLATE["run"] | {"target": "99 degC"}}, "run.target"),
     ],
 )  # fmt: skip
-def test_keys_that_do_not_go_together_are_told_by_the_one_to_look_at(
-    change: dict[str, Any], key: str
-) -> None:
+def test_keys_that_do_not_go_together_are_told_by_the_one_to_look_at(change: dict[str, Any], key: str) -> None:
     parse_document(PLATE, "mold.toml", MoldDocument)
     with pytest.raises(InputError, match=f"^mold.toml, key {key}: "):
         parse_document(PLATE | change, "mold.toml", MoldDocument)

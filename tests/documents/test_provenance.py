@@ -16,9 +16,7 @@ def test_the_hash_is_that_of_the_bytes_that_were_read(tmp_path: Path) -> None:
     file.write_bytes(b"abc")
     inputs = Inputs()
     inputs.read(str(file))
-    found = record(
-        "fit", ["--uniaxial", str(file), "--model", "gent"], inputs.files, str(tmp_path / "fit.json")
-    )
+    found = record("fit", ["--uniaxial", str(file), "--model", "gent"], inputs.files, str(tmp_path / "fit.json"))
     assert found.hf == __version__
     assert found.arguments == ["--uniaxial", "a.csv", "--model", "gent"]
     # FIPS 180-2, appendix B.1

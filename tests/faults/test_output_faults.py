@@ -145,9 +145,7 @@ def test_closed_standard_streams_are_no_traceback(tmp_path: Path) -> None:
 
 def hf_shell(command: str, folder: Path) -> subprocess.CompletedProcess[bytes]:
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    return subprocess.run(
-        ["bash", "-c", command], cwd=folder, env=environment, capture_output=True, check=False
-    )
+    return subprocess.run(["bash", "-c", command], cwd=folder, env=environment, capture_output=True, check=False)
 
 
 @pytest.mark.slow

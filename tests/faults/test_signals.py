@@ -66,9 +66,7 @@ def refined(stl: bytes) -> bytes:
     for _ in range(2):
         a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
-        corners = np.concatenate(
-            [np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-        )
+        corners = np.concatenate([np.stack(t, 1) for t in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
     return stl_bytes(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
 
 
@@ -167,9 +165,7 @@ def test_at_any_moment(command: str, number: signal.Signals, after: float, folde
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_during_compiled_code_waits_until_its_result_is_python(
-    number: signal.Signals, tmp_path: Path
-) -> None:
+def test_a_signal_during_compiled_code_waits_until_its_result_is_python(number: signal.Signals, tmp_path: Path) -> None:
     """numba calls Python to box a result and does not look whether that raised: the process would crash."""
     script = tmp_path / "loop.py"
     script.write_text(

@@ -99,15 +99,9 @@ def tables(draw: st.DrawFn) -> bytes:
     for _ in range(draw(st.integers(0, 4))):
         extra = draw(st.sampled_from([0, 0, 0, 0, 1, -1]))
         lines.append(
-            separator.join(
-                draw(st.lists(CELLS, min_size=max(width + extra, 0), max_size=max(width + extra, 0)))
-            )
+            separator.join(draw(st.lists(CELLS, min_size=max(width + extra, 0), max_size=max(width + extra, 0))))
         )
-    text = (
-        draw(LINE_ENDS).join(lines)
-        if len(lines) == 1
-        else draw(st.sampled_from(["\n", "\r\n", "\r"])).join(lines)
-    )
+    text = draw(LINE_ENDS).join(lines) if len(lines) == 1 else draw(st.sampled_from(["\n", "\r\n", "\r"])).join(lines)
     return text.encode(draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"])), "replace")
 
 
@@ -118,11 +112,7 @@ def surfaces(draw: st.DrawFn) -> bytes:
     if draw(st.booleans()):
         count = draw(st.sampled_from([len(rows), len(rows) + 1, 0, 2**31, 2**32 - 1]))
         header = draw(st.sampled_from([b"", b"solid x\n", b"\x00"])).ljust(80)
-        data = (
-            header
-            + struct.pack("<I", count)
-            + b"".join(struct.pack("<12fH", 0, 0, 1, *row, 0) for row in rows)
-        )
+        data = header + struct.pack("<I", count) + b"".join(struct.pack("<12fH", 0, 0, 1, *row, 0) for row in rows)
     else:
         word = draw(st.sampled_from(["vertex", "VERTEX", "vertx", ""]))
         body = "".join(
@@ -137,9 +127,7 @@ def surfaces(draw: st.DrawFn) -> bytes:
 
 JSON_LIKE = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=4), inner, max_size=4)
-    ),
+    lambda inner: st.one_of(st.lists(inner, max_size=4), st.dictionaries(st.text(max_size=4), inner, max_size=4)),
     max_leaves=12,
 ).map(lambda value: json.dumps(value).encode())
 TOML_LIKE = st.lists(
@@ -177,11 +165,7 @@ def damaged(strategy: st.SearchStrategy[bytes]) -> st.SearchStrategy[bytes]:
         place %= len(data)
         return data[:place] if cut else data[:place] + bytes([byte]) + data[place + 1 :]
 
-    return (
-        strategy
-        | GARBAGE
-        | st.builds(spoil, strategy, st.integers(0, 10**6), st.integers(0, 255), st.booleans())
-    )
+    return strategy | GARBAGE | st.builds(spoil, strategy, st.integers(0, 10**6), st.integers(0, 255), st.booleans())
 
 
 @contextlib.contextmanager

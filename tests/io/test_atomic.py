@@ -126,9 +126,7 @@ def test_a_file_size_limit_ends_in_an_output_error(tmp_path: Path) -> None:
         "    print(error)\n"
     )
     (tmp_path / "a.json").write_bytes(b"old")
-    done = subprocess.run(
-        [sys.executable, "-c", script, tmp_path], capture_output=True, check=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", script, tmp_path], capture_output=True, check=True, text=True)
     assert "File too large" in done.stdout
     assert everything(tmp_path) == {"a.json": b"old"}
 

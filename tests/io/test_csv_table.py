@@ -26,17 +26,13 @@ def test_columns_are_found_by_name_and_converted() -> None:
 
 
 def test_columns_may_be_asked_for_by_their_unit() -> None:
-    table = read_table(
-        b"strain [%],stress [kPa]\n0,0\n50,12.5\n", "foam.csv", {"strain": "-", "stress": "MPa"}
-    )
+    table = read_table(b"strain [%],stress [kPa]\n0,0\n50,12.5\n", "foam.csv", {"strain": "-", "stress": "MPa"})
     assert table["strain"].tolist() == [0.0, 0.5]
     assert table["stress"].tolist() == [0.0, 0.0125]
 
 
 def test_names_as_this_program_writes_them_are_read() -> None:
-    table = read_table(
-        b"time_s,centre_degC\n0,25\n60,31.5\n", "heat.csv", {"time": "time"}, rest="temperature"
-    )
+    table = read_table(b"time_s,centre_degC\n0,25\n60,31.5\n", "heat.csv", {"time": "time"}, rest="temperature")
     assert table["time"].tolist() == [0.0, 60.0]
     assert table["centre"].tolist() == [25.0, 31.5]
     table = read_table(b"depth_mm,force_N\n0,0\n1,2\n", "contact.csv", {"depth": "length", "force": "force"})
@@ -145,9 +141,7 @@ def test_thermocouples_without_a_unit_are_asked_for_in_one_line_that_settles_it(
 
 def test_a_column_that_is_set_aside_is_no_probe() -> None:
     data = b"time [s],T1 [degC],room [degC]\n0,25,20\n60,31.5,20\n"
-    table = read_table(
-        data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["room [degC]=aside"])
-    )
+    table = read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["room [degC]=aside"]))
     assert list(table.columns) == ["time", "T1"]
 
 

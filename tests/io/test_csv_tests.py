@@ -82,10 +82,7 @@ def test_strain_and_prefixes_move_the_decimal_mark_without_rounding() -> None:
     assert found.stretch.tobytes() == one(PLAIN).stretch.tobytes()
     assert found.stress.tobytes() == one(PLAIN).stress.tobytes()
     percent = one("# test: uniaxial\nstrain [%],stress [MPa]\n5,1\n10,2\n")
-    assert (
-        percent.stretch.tobytes()
-        == one("# test: uniaxial\nstrain,stress [MPa]\n.05,1\n.1,2\n").stretch.tobytes()
-    )
+    assert percent.stretch.tobytes() == one("# test: uniaxial\nstrain,stress [MPa]\n.05,1\n.1,2\n").stretch.tobytes()
 
 
 def test_psi_and_inches_agree_to_1e_12() -> None:
@@ -307,9 +304,7 @@ ROWS = "stretch,stress [MPa]\n1.1,0.1\n1.2,0.2\n"
         ("stretch,stress [MPa]\n1.1,0.1\x00\n1.2,0.2\n", "line 2", "is no text"),
     ],
 )
-def test_what_cannot_be_read_in_one_way_is_refused_with_place_and_remedy(
-    text: str, place: str, said: str
-) -> None:
+def test_what_cannot_be_read_in_one_way_is_refused_with_place_and_remedy(text: str, place: str, said: str) -> None:
     with pytest.raises(InputError) as caught:
         read_tests(text.encode(), "a.csv", test="uniaxial")
     assert str(caught.value).startswith("a.csv")

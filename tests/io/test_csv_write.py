@@ -26,9 +26,7 @@ numbers = st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integer
 @given(st.lists(words, min_size=1, max_size=4), st.data())
 def test_cells_are_what_the_standard_reader_finds(header: list[str], data: st.DataObject) -> None:
     width = len(header)
-    rows = data.draw(
-        st.lists(st.lists(st.one_of(words, numbers), min_size=width, max_size=width), max_size=5)
-    )
+    rows = data.draw(st.lists(st.lists(st.one_of(words, numbers), min_size=width, max_size=width), max_size=5))
     found = list(csv.reader(io.StringIO(csv_bytes(header, rows).decode("utf-8"), newline="")))
     assert len(found) == len(rows) + 1
     for cells, row in zip(found, [header, *rows], strict=True):
@@ -73,8 +71,7 @@ mesh_size = "20 mm"
 @pytest.mark.slow
 def test_curves_of_probes_of_any_name_are_read_again(hf: Run, tmp_path: Path) -> None:
     probes = [
-        f"[[probe]]\nname = '''{name}'''\nat = [\"{i + 1} mm\", \"1 mm\", \"10 mm\"]\n"
-        for i, name in enumerate(NAMES)
+        f"[[probe]]\nname = '''{name}'''\nat = [\"{i + 1} mm\", \"1 mm\", \"10 mm\"]\n" for i, name in enumerate(NAMES)
     ]
     (tmp_path / "mold.toml").write_text(MOLD.replace("PROBES", "".join(probes)))
     done = hf("mold-heat", "mold.toml", "-o", "heat.json", cwd=tmp_path)
@@ -114,11 +111,7 @@ def test_no_other_place_writes_csv() -> None:
                 continue
             calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
             methods = [call.func for call in calls if isinstance(call.func, ast.Attribute)]
-            joined = {
-                one.value.value
-                for one in methods
-                if one.attr == "join" and isinstance(one.value, ast.Constant)
-            }
+            joined = {one.value.value for one in methods if one.attr == "join" and isinstance(one.value, ast.Constant)}
             owns = any(one.attr in ("writer", "DictWriter", "to_csv", "savetxt") for one in methods)
             if owns or {",", "\n"} <= joined:
                 found.append(f"{path}: {function.name}")

@@ -48,10 +48,7 @@ MACHINES = (
 )
 OTHERS = exports.others() | office_exports.office() | lab_exports.labs() | stand_exports.stands()
 UNDECIDED = (
-    exports.undecided()
-    | office_exports.to_settle()
-    | lab_exports.labs_to_settle()
-    | stand_exports.stands_to_settle()
+    exports.undecided() | office_exports.to_settle() | lab_exports.labs_to_settle() | stand_exports.stands_to_settle()
 )
 
 
@@ -62,8 +59,7 @@ def read(data: bytes, name: str, **options: object) -> list[TestData]:
 
 def twins() -> list[TestData]:
     return [
-        read_tests(text.encode(), "t")[0]
-        for text in (exports.plain(), exports.plain_strain(), exports.plain_force())
+        read_tests(text.encode(), "t")[0] for text in (exports.plain(), exports.plain_strain(), exports.plain_force())
     ]
 
 
@@ -71,8 +67,7 @@ def same_bits(found: list[TestData]) -> None:
     """A file in stretch, in strain and in force is each its own plain twin; mode and count are the same."""
     for part in found:
         assert any(
-            part.stretch.tobytes() == twin.stretch.tobytes()
-            and part.stress.tobytes() == twin.stress.tobytes()
+            part.stretch.tobytes() == twin.stretch.tobytes() and part.stress.tobytes() == twin.stress.tobytes()
             for twin in twins()
         )
 
@@ -126,9 +121,7 @@ def test_properties_of_channels_that_could_be_readings_are_not_left_out() -> Non
         ("eyy [1] - engr.,Force [N]", "strain,force [N]", False),
     ],
 )
-def test_a_measure_of_strain_or_stress_beside_the_name_is_obeyed(
-    heads: str, plain: str, measured: bool
-) -> None:
+def test_a_measure_of_strain_or_stress_beside_the_name_is_obeyed(heads: str, plain: str, measured: bool) -> None:
     rows = "".join(f"{e},{s}\n" for e, s in exports.PULL)
     [found] = read(f"{heads}\n{rows}".encode(), "a")
     [twin] = read(f"{plain}\n{rows}".encode(), "b")
@@ -165,9 +158,7 @@ def test_what_pulls_counts_positive_whatever_the_load_cell_says() -> None:
 
 def test_force_by_the_fineness_of_a_yarn_is_told_as_such() -> None:
     text = "Elongation (%),Tenacity (gf/den)\n5,0.1\n10,0.2\n"
-    with pytest.raises(
-        InputError, match=r"Tenacity \(gf/den\) is the force by the fineness of a yarn"
-    ) as caught:
+    with pytest.raises(InputError, match=r"Tenacity \(gf/den\) is the force by the fineness of a yarn") as caught:
         read(text.encode(), "yarn")
     assert '--columns "Tenacity (gf/den)=force [gf]"' in str(caught.value)
 
@@ -227,9 +218,7 @@ def test_a_file_is_recognised_by_its_name_or_its_columns(name: str, heads: str, 
         ("Lot 7 of March", None),
     ],
 )
-def test_a_file_is_recognised_by_a_title_that_stands_in_a_line_by_itself(
-    title: str, test: str | None
-) -> None:
+def test_a_file_is_recognised_by_a_title_that_stands_in_a_line_by_itself(title: str, test: str | None) -> None:
     """Also where the line is filled up with empty cells, as a spreadsheet fills it."""
     for line in (title, f"{title};;"):
         text = f"{line}\nPrüfer;Meier;\n\nDehnung [%];Spannung [MPa];Bemerkung\n10;0,2;\n20;0,4;ok\n"
@@ -290,9 +279,7 @@ def test_general_biaxial_tests_may_hold_an_axis_and_shrink_along_one() -> None:
     assert found.stress_sd is not None
     assert found.stress_sd.tolist() == [0.01] * 6  # the zeroed first reading is as sure as the surest
     rows = "".join(f"{0.85 + k / 10},{1.1},{k / 10},{k / 5}\n" for k in range(6))
-    [found] = read_tests(
-        f"stretch 1,stretch 2,stress 1 [MPa],stress 2 [MPa]\n{rows}".encode(), "a.csv", test="biaxial"
-    )
+    [found] = read_tests(f"stretch 1,stretch 2,stress 1 [MPa],stress 2 [MPa]\n{rows}".encode(), "a.csv", test="biaxial")
     assert found.stretch.min() == pytest.approx(0.85)
 
 

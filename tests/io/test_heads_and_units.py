@@ -123,9 +123,7 @@ def test_a_factor_beside_a_strain_is_its_unit(head: str, factor: float) -> None:
 )
 def test_a_true_strain_and_a_true_stress_are_known_wherever_the_measure_stands(heads: str, twin: str) -> None:
     rows = "0.1,0.1\n0.2,0.3\n"
-    one, other = (
-        read_tests(f"{head}\n{rows}".encode(), "a.csv", test="uniaxial")[0] for head in (heads, twin)
-    )
+    one, other = (read_tests(f"{head}\n{rows}".encode(), "a.csv", test="uniaxial")[0] for head in (heads, twin))
     assert (one.stretch.tobytes(), one.stress.tobytes()) == (other.stretch.tobytes(), other.stress.tobytes())
 
 
@@ -170,17 +168,13 @@ def test_units_in_cells_are_read_below_a_preamble(text: str) -> None:
 
 def test_a_column_in_two_units_is_told_by_both_lines() -> None:
     text = "Tensile test\nGauge length,100 mm\nWidth,50 mm\nExtension,Load,Remark\n1 mm,702 mN,5 N\n2 mm,1.4 N,3 mm\n"
-    with pytest.raises(
-        InputError, match=r'line 5, column "Load": 702 mN is in another unit than 1.4 N in line 6'
-    ):
+    with pytest.raises(InputError, match=r'line 5, column "Load": 702 mN is in another unit than 1.4 N in line 6'):
         read_tests(text.encode(), "a.csv")
     [found] = read_tests(text.replace("702 mN", "0.7 N").encode(), "a.csv")
     assert found.stress.tolist() == pytest.approx([0.014, 0.028])
 
 
-@pytest.mark.parametrize(
-    "strain", ["ε_t", "εt", "eps_t", "ε_T", "ε_t [%]", "e_true", "eps_true", "ε_ln", "ln_strain"]
-)
+@pytest.mark.parametrize("strain", ["ε_t", "εt", "eps_t", "ε_T", "ε_t [%]", "e_true", "eps_true", "ε_ln", "ln_strain"])
 @pytest.mark.parametrize("stress", ["σ_t [MPa]", "sigma_true [MPa]"])
 def test_a_letter_of_a_true_strain_makes_the_stress_beside_it_true(strain: str, stress: str) -> None:
     many = 100.0 if "%" in strain else 1.0
@@ -203,9 +197,7 @@ def test_units_in_cells_beside_another_unit_in_the_head_are_refused(cells: str) 
     name = "Specimen," if "A" in cells else ""
     text = "Tensile test\nWidth,50,mm\nGauge length,100,mm\n" + name + "Extension{},Load{}\n" + cells
     assert read_tests(text.format("", "").encode(), "a.csv")[0].stress.tolist() == pytest.approx([0.04, 0.08])
-    with pytest.raises(
-        InputError, match=r'line 5, column "Load \[kN\]": 2 N is in another unit than the head'
-    ):
+    with pytest.raises(InputError, match=r'line 5, column "Load \[kN\]": 2 N is in another unit than the head'):
         read_tests(text.format("", " [kN]").encode(), "a.csv")
 
 

@@ -99,9 +99,7 @@ def test_numpy_values_are_written_as_the_numbers_they_are() -> None:
 
 
 def test_long_lists_fill_their_lines_and_none_is_overlong() -> None:
-    data = dump_json(
-        {"curve": [[float(i), i / 7] for i in range(50)], "long": [i / 7 for i in range(500)]}
-    ).decode()
+    data = dump_json({"curve": [[float(i), i / 7] for i in range(50)], "long": [i / 7 for i in range(500)]}).decode()
     assert max(map(len, data.splitlines())) <= 112
     assert len(data.splitlines()) < 150
     assert json.loads(data)["long"][3] == 3 / 7

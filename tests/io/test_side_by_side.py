@@ -68,9 +68,7 @@ def test_an_unit_may_be_typed_for_each_and_a_sign_holds_for_all() -> None:
 
 def test_a_specimen_that_is_set_aside_is_not_read() -> None:
     data = pairs("Strain_1,Stress_1 [MPa],Strain_2,Stress_2 [MPa]")
-    [found] = read_tests(
-        data, "a.csv", test="uniaxial", columns=layout(["Strain_2=aside,Stress_2 [MPa]=aside"])
-    )
+    [found] = read_tests(data, "a.csv", test="uniaxial", columns=layout(["Strain_2=aside,Stress_2 [MPa]=aside"]))
     assert found.stress == pytest.approx(PULLS[0], rel=1e-6)
 
 
@@ -106,9 +104,7 @@ def test_tests_named_in_titles_may_share_a_stretch_or_stand_alone() -> None:
 
 def test_a_strain_and_a_stress_that_nothing_stands_under_leave_the_true_ones() -> None:
     heads = "True strain;True stress [MPa];Engineering strain;Engineering stress [MPa]"
-    rows = "".join(
-        f"{np.log1p(e):.7g};{s * (1.0 + e):.7g};;\n" for e, s in zip(STRAIN, PULLS[0], strict=True)
-    )
+    rows = "".join(f"{np.log1p(e):.7g};{s * (1.0 + e):.7g};;\n" for e, s in zip(STRAIN, PULLS[0], strict=True))
     [found] = read_tests(f"{heads}\n{rows}".encode(), "a.csv", test="uniaxial")
     assert found.stretch == pytest.approx(1.0 + STRAIN, rel=1e-6)
     assert found.stress == pytest.approx(PULLS[0], rel=1e-6)

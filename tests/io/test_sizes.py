@@ -33,9 +33,7 @@ def is_strip(found: TestData, width: float = 50.0) -> bool:
 )
 @pytest.mark.parametrize("first_alone", [False, True])
 def test_sizes_stand_in_columns_of_each_row_or_of_the_first(head: str, sizes: str, first_alone: bool) -> None:
-    rows = [
-        f"{sizes if not (first_alone and k) else ',,'},{way},{force}\n" for k, (way, force) in enumerate(ROWS)
-    ]
+    rows = [f"{sizes if not (first_alone and k) else ',,'},{way},{force}\n" for k, (way, force) in enumerate(ROWS)]
     [found] = read(f"Tensile test\n{head},Extension [mm],Load [N]\n{''.join(rows)}")
     assert is_strip(found)
     assert not any("not used" in note for note in found.notes)
@@ -71,10 +69,7 @@ def test_a_letter_without_a_unit_is_no_size() -> None:
 
 def test_a_column_and_a_line_above_it_may_agree_and_are_asked_for_where_not() -> None:
     rows = "".join(f"50.0,{way},{force}\n" for way, force in ROWS)
-    text = (
-        "Tensile test\nWidth: {} cm\nThickness: 0.8 mm\nL0: 100 mm\nWidth (mm),Extension (mm),Load (N)\n"
-        + rows
-    )
+    text = "Tensile test\nWidth: {} cm\nThickness: 0.8 mm\nL0: 100 mm\nWidth (mm),Extension (mm),Load (N)\n" + rows
     assert is_strip(*read(text.format(5)))
     with pytest.raises(InputError, match=r"line 2, key width: states 4 cm and 50\.0 mm; give --width 4cm or"):
         read(text.format(4))
@@ -163,9 +158,7 @@ def test_arms_of_a_biaxial_test_have_gauge_lengths_of_their_own() -> None:
 
 def test_arm_widths_stand_in_columns_and_belong_to_their_force() -> None:
     text = "test,width_1_mm,width_2_mm,thickness_mm,stretch 1,stretch 2,force_1_N,force_2_N\n"
-    [found] = read(
-        text + "biaxial-general,30,60,0.8,1.1,1.1,24,48\nbiaxial-general,30,60,0.8,1.2,1.2,36,72\n"
-    )
+    [found] = read(text + "biaxial-general,30,60,0.8,1.1,1.1,24,48\nbiaxial-general,30,60,0.8,1.2,1.2,36,72\n")
     assert found.stress2 is not None
     assert found.stress.tolist() == found.stress2.tolist() == pytest.approx([1.0, 1.5])
     one = "# test: biaxial\nWidth X,30,mm\nWidth Y,60,mm\nThickness,0.8,mm\nStrain Y [%],Force Y [N]\n10,48\n20,72\n"
@@ -185,9 +178,7 @@ def test_the_next_title_of_a_table_is_no_size() -> None:
         read(f"{above}Time,Extension,Load\ns,mm,N\n0,10,2\n1,20,4\n2,30,5\n3,40,6\n4,50,7\n5,60,8\n")
 
 
-@pytest.mark.parametrize(
-    "length", ["Strain : Tensile strain (Extension) gauge length", "Specimen : Gauge length"]
-)
+@pytest.mark.parametrize("length", ["Strain : Tensile strain (Extension) gauge length", "Specimen : Gauge length"])
 def test_sizes_stand_under_their_group(length: str) -> None:
     above = f'Specimen properties : Width,"50.0",mm\nSpecimen properties : Thickness,"0.8",mm\n{length},"100.0",mm\n'
     rows = "".join(f'"{way}","{force}"\n' for way, force in ROWS)

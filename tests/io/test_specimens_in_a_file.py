@@ -22,9 +22,7 @@ def table(heads: str, columns: list[np.ndarray], counts: list[int] | None = None
     """Return rows of columns; a column with fewer readings ends in empty cells."""
     counts = counts or [len(STRAIN)] * len(columns)
     rows = [
-        ",".join(
-            f"{column[k]:.6g}" if k < count else "" for column, count in zip(columns, counts, strict=True)
-        )
+        ",".join(f"{column[k]:.6g}" if k < count else "" for column, count in zip(columns, counts, strict=True))
         for k in range(len(STRAIN))
     ]
     return "\n".join([heads, *rows, ""]).encode()
@@ -216,9 +214,7 @@ def test_a_title_tells_the_temperature_or_the_rate(heads: str, field: str, value
 
 def test_a_column_may_state_tests_by_the_letters_that_papers_give_them() -> None:
     rows = "".join(
-        f"{mode},{1.0 + e:.3f},{s:.4f}\n"
-        for mode in ("UT", "PS", "ET")
-        for e, s in zip(STRAIN, PULLS[0], strict=True)
+        f"{mode},{1.0 + e:.3f},{s:.4f}\n" for mode in ("UT", "PS", "ET") for e, s in zip(STRAIN, PULLS[0], strict=True)
     )
     found = read_tests(f"mode,stretch,stress_MPa\n{rows}".encode(), "a.csv")
     assert [part.mode for part in found] == ["uniaxial", "shear", "biaxial"]
@@ -233,9 +229,7 @@ def test_titles_above_pairs_of_columns_say_which_test_each_is() -> None:
     same(found)
     assert [part.mode for part in found] == ["uniaxial", "biaxial", "shear"]
     # A file of several tests is not one test because an option says so.
-    with pytest.raises(
-        InputError, match=r"line 1.*biaxial, but it was given as uniaxial.*without the option"
-    ):
+    with pytest.raises(InputError, match=r"line 1.*biaxial, but it was given as uniaxial.*without the option"):
         read_tests(data, "a.csv", test="uniaxial")
 
 
@@ -259,9 +253,7 @@ def test_titles_above_pairs_of_columns_say_how_warm_each_was() -> None:
 
 
 def test_titles_above_pairs_of_columns_say_how_fast_each_was() -> None:
-    data = b"10 mm/min,,100 mm/min,,1000 mm/min,\n" + table(
-        ",".join(["Extension (mm),stress [MPa]"] * 3), pairs()
-    )
+    data = b"10 mm/min,,100 mm/min,,1000 mm/min,\n" + table(",".join(["Extension (mm),stress [MPa]"] * 3), pairs())
     found = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(gauge_length=50.0))
     assert [part.rate_1_s for part in found] == [
         pytest.approx(np.full(len(STRAIN), speed / 60.0 / 50.0)) for speed in (10.0, 100.0, 1000.0)

@@ -27,10 +27,7 @@ def text(mesh: SurfaceMesh, name: bytes = b"cube") -> bytes:
     lines = [b"solid " + name]
     for face in mesh.faces:
         lines += [b"facet normal 0 0 0", b"  outer loop"]
-        lines += [
-            b"    vertex %s %s %s" % tuple(repr(float(x)).encode() for x in mesh.vertices[node])
-            for node in face
-        ]
+        lines += [b"    vertex %s %s %s" % tuple(repr(float(x)).encode() for x in mesh.vertices[node]) for node in face]
         lines += [b"  endloop", b"endfacet"]
     return b"\n".join([*lines, b"endsolid " + name, b""])
 
@@ -165,19 +162,14 @@ def test_a_million_facets_are_read_in_seconds() -> None:
     assert len(mesh.vertices) == 708**2
 
 
-@given(
-    st.lists(st.tuples(*[st.sampled_from([0.0, -0.0, 1.0, 2.5, 1e-30, -3e38])] * 9), min_size=1, max_size=12)
-)
+@given(st.lists(st.tuples(*[st.sampled_from([0.0, -0.0, 1.0, 2.5, 1e-30, -3e38])] * 9), min_size=1, max_size=12))
 def test_merging_changes_no_coordinate_and_leaves_no_place_twice(corners: list[tuple[float, ...]]) -> None:
     data = binary(len(corners), *(facet(*row) for row in corners))
     given_corners = np.array(corners, dtype=np.float32).astype(float).reshape(-1, 3, 3)
     try:
         mesh = read_stl(data, "a.stl")
     except InputError:
-        assert all(
-            len({row[i : i + 3] for i in (0, 3, 6)}) < 3
-            for row in (tuple(x + 0.0 for x in r) for r in corners)
-        )
+        assert all(len({row[i : i + 3] for i in (0, 3, 6)}) < 3 for row in (tuple(x + 0.0 for x in r) for r in corners))
         return
     assert np.array_equal(mesh.vertices[mesh.faces], given_corners[mesh.facet_of_face])
     assert len({tuple(vertex) for vertex in mesh.vertices.tolist()}) == len(mesh.vertices)

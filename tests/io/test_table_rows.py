@@ -61,9 +61,7 @@ def test_a_column_of_stretches_is_told_by_where_it_begins_and_ends(cells: list[s
         ("12.5 mm", ",", "12.5 mm"),
     ],
 )
-def test_a_comma_is_a_decimal_mark_where_it_cannot_be_one_of_thousands(
-    text: str, decimal: str, expected: str
-) -> None:
+def test_a_comma_is_a_decimal_mark_where_it_cannot_be_one_of_thousands(text: str, decimal: str, expected: str) -> None:
     assert dotted(text, decimal) == expected
 
 
@@ -125,9 +123,7 @@ def test_a_first_row_that_could_be_the_test_stays(first: float) -> None:
 
 def test_a_strain_in_a_column_that_is_called_a_stretch_is_told_for_what_it_is() -> None:
     data = b"stretch_uni,stress_uni\n" + b"".join(b"%.2f,%.2f\n" % (0.05 + k / 4, 0.4 + k) for k in range(20))
-    with pytest.raises(
-        InputError, match=re.escape('--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"')
-    ):
+    with pytest.raises(InputError, match=re.escape('--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"')):
         read_tests(data, "a.csv", test="uniaxial")
     said = layout(["stretch_uni=stretch,stress_uni=stress [MPa]"])
     option = '--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"'

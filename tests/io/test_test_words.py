@@ -50,18 +50,14 @@ def test_a_test_has_one_name_inside(word: str, kind: str) -> None:
 @pytest.mark.parametrize("scale", [1.0, 1e-3])
 def test_columns_that_are_exchanged_are_refused_whatever_the_stress(scale: float) -> None:
     """A stretch below 0.9 with a tension of more than a twentieth of the peak is no test of a fabric."""
-    text = "stretch [-],stress [MPa]\n" + "".join(
-        f"{a},{b * scale}\n" for a, b in ((0.1, 1.1), (0.4, 1.5), (0.8, 2.0))
-    )
+    text = "stretch [-],stress [MPa]\n" + "".join(f"{a},{b * scale}\n" for a, b in ((0.1, 1.1), (0.4, 1.5), (0.8, 2.0)))
     with pytest.raises(InputError, match="line 2"):
         one(text)
     # At rest nothing is exchanged, and compression has compression's sign.
     assert one("stretch [-],stress [MPa]\n1,0\n0.8,-0.2\n0.7,-0.4\n").stress.tolist() == [0.0, -0.2, -0.4]
 
 
-@pytest.mark.parametrize(
-    ("key", "value"), [("width", "0 mm"), ("thickness", "0 mm"), ("gauge length", "-3 mm")]
-)
+@pytest.mark.parametrize(("key", "value"), [("width", "0 mm"), ("thickness", "0 mm"), ("gauge length", "-3 mm")])
 def test_a_size_that_is_not_positive_is_refused_with_its_line(key: str, value: str) -> None:
     with pytest.raises(InputError, match="is not positive"):
         one(f"# {key}: {value}\n" + ROWS)
@@ -78,9 +74,7 @@ def test_one_column_called_after_a_specimen_beside_the_stretch_makes_a_table_fit
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_compression_takes_its_sign_from_its_largest_stress_and_not_from_its_noise(sign: float) -> None:
     """Near rest a load cell reads a little of the other sign: the curve is the same however pushing is counted."""
-    text = "strain [-],stress [MPa]\n" + "".join(
-        f"{-e},{sign * s}\n" for e, s in ((0, 0.01), (0.1, -0.2), (0.3, -0.9))
-    )
+    text = "strain [-],stress [MPa]\n" + "".join(f"{-e},{sign * s}\n" for e, s in ((0, 0.01), (0.1, -0.2), (0.3, -0.9)))
     found = one("# test: compression\n" + text, None)
     assert found.stretch.tolist() == pytest.approx([1.0, 0.9, 0.7])
     assert found.stress.tolist() == pytest.approx([0.01, -0.2, -0.9])

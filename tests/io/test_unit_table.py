@@ -75,14 +75,8 @@ def test_a_unit_is_of_its_kind(one: str, other: str) -> None:
 @pytest.mark.parametrize(
     ("name", "factor", "zero"),
     [
-        *(
-            (name, Fraction(1), Fraction("273.15"))
-            for name in ("degC", "°C", "celsius", "Celsius", "℃", "C", "deg C")
-        ),
-        *(
-            (name, Fraction(5, 9), Fraction("255.372222222222222222"))
-            for name in ("degF", "°F", "fahrenheit", "F")
-        ),
+        *((name, Fraction(1), Fraction("273.15")) for name in ("degC", "°C", "celsius", "Celsius", "℃", "C", "deg C")),
+        *((name, Fraction(5, 9), Fraction("255.372222222222222222")) for name in ("degF", "°F", "fahrenheit", "F")),
     ],
 )
 def test_a_scale_has_its_zero(name: str, factor: Fraction, zero: Fraction) -> None:

@@ -232,9 +232,7 @@ def test_a_quantity_may_state_one_standard_deviation(text: str, kind: str, value
         ("± 1mm", "length", "is no length"),
     ],
 )
-def test_a_tolerance_that_cannot_be_meant_is_refused_with_the_right_form(
-    text: str, kind: str, said: str
-) -> None:
+def test_a_tolerance_that_cannot_be_meant_is_refused_with_the_right_form(text: str, kind: str, said: str) -> None:
     with pytest.raises(UsageError) as refused:
         quantity(text, kind, option="--x")
     assert said in str(refused.value)

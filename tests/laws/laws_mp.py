@@ -45,9 +45,7 @@ def _chains(p, I1, I2):
 
 def _arruda(p, I1, I2):
     C = [mp.mpf(1) / 2, mp.mpf(1) / 20, mp.mpf(11) / 1050, mp.mpf(19) / 7000, mp.mpf(519) / 673750]
-    return p["mu_MPa"] * sum(
-        c * (I1**i - mp.mpf(3) ** i) / p["lambda_m"] ** (2 * i - 2) for i, c in enumerate(C, 1)
-    )
+    return p["mu_MPa"] * sum(c * (I1**i - mp.mpf(3) ** i) / p["lambda_m"] ** (2 * i - 2) for i, c in enumerate(C, 1))
 
 
 def _log_i2(p, I1, I2):

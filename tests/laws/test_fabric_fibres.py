@@ -33,9 +33,7 @@ def test_energy_is_that_of_the_formula() -> None:
     l1, l2 = 1.4, 1.2
     ground = TRUTH["C10_MPa"] * (l1**2 + l2**2 + (l1 * l2) ** -2 - 3)
     fibres = sum(
-        TRUTH[f"k1_{way}_MPa"]
-        / (2 * TRUTH[f"k2_{way}"])
-        * (np.exp(TRUTH[f"k2_{way}"] * (lam**2 - 1) ** 2) - 1)
+        TRUTH[f"k1_{way}_MPa"] / (2 * TRUTH[f"k2_{way}"]) * (np.exp(TRUTH[f"k2_{way}"] * (lam**2 - 1) ** 2) - 1)
         for way, lam in (("along", l1), ("across", l2))
     )
     assert float(fabric().membrane(l1, l2).W) == pytest.approx(ground + fibres, rel=1e-14)
@@ -74,9 +72,7 @@ def test_a_general_biaxial_test_is_along_the_fibres_that_its_first_axis_is_cut_a
         TestCurve("uniaxial", lam, one.uniaxial(lam).P, direction=way)
         for one, way in ((fabric(), 0.0), (fabric().turned(), 90.0))
     ]
-    both = TestCurve(
-        "biaxial-general", first, pulled.P1, stretch2=second, stress2=pulled.P2, direction=direction
-    )
+    both = TestCurve("biaxial-general", first, pulled.P1, stretch2=second, stress2=pulled.P2, direction=direction)
     setting = Setting(("uniaxial", "biaxial-general"), True, False, 0.3)
     found = identify(laws()["fabric-fibres"], [*strips, both], setting)
     assert isinstance(found, Identified)

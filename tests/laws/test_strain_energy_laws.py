@@ -66,9 +66,7 @@ def test_between_two_temperatures_the_stress_goes_linearly(material: Material) -
     lam = np.array([0.8, 1.2, 1.6])
     for mode in MODES:
         cold, warm = (nominal_stress(bind(law.name, one), mode, lam) for one in ends)
-        np.testing.assert_allclose(
-            nominal_stress(found, mode, lam), (1.0 - share) * cold + share * warm, rtol=1e-12
-        )
+        np.testing.assert_allclose(nominal_stress(found, mode, lam), (1.0 - share) * cold + share * warm, rtol=1e-12)
 
 
 def test_stress_across_the_sheet_is_zero_at_the_thickness_stretch(material: Material) -> None:

@@ -172,14 +172,9 @@ def without_its_formula(problem: FabricProblem, found: Finding) -> FabricProblem
         effect = problem.effect(name)
         if effect.form(one).refines is None and any(form.enriches(one) for form in effect.forms):
             return None
-    left = (
-        tuple(form for form in effect.forms if form.name != forms.get(effect.id))
-        for effect in problem.effects
-    )
+    left = (tuple(form for form in effect.forms if form.name != forms.get(effect.id)) for effect in problem.effects)
     pairs = zip(problem.effects, left, strict=True)
-    return replace(
-        problem, effects=tuple(replace(effect, forms=some or effect.forms) for effect, some in pairs)
-    )
+    return replace(problem, effects=tuple(replace(effect, forms=some or effect.forms) for effect, some in pairs))
 
 
 def next_tally(

@@ -268,9 +268,7 @@ class Tracing:
 
     def of_markers(self, what: str, seed: int, noise: float = 0.05) -> Traced:
         """Trace markers on the sheet where something is off; ``noise`` in mm."""
-        files = chain(
-            replace(drawn(what, seed), drape=drawn(what, seed).drape or ("--depth", "35mm")), self.files
-        )
+        files = chain(replace(drawn(what, seed), drape=drawn(what, seed).drape or ("--depth", "35mm")), self.files)
         Path("markers.csv").write_bytes(markers(files, np.random.default_rng([seed, 77, len(what)]), noise))
         one, _ = read_markers(self.job, "markers.csv", LAYOUT)
         forward, draped = self.drape

@@ -78,9 +78,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     sd[: sum(map(len, loud))] = np.concatenate(loud)
 
     def again(what: NextMeasurement | None) -> Case:
-        kind = (
-            protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
-        )
+        kind = protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
         return posed(truth, noise, [*protocols, kind], seed, prior)
 
     return Case(problem, noise_of([(one, None) for one in files], None), sd, forward.corrected, again)
@@ -97,9 +95,7 @@ def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, fine
     # Whoever has measured well often knows the fabric from its own tests, but not always.
     known = 0.10 if poor or usual else 0.02
     truth = truths.draw(random, effects, 0.65 * known, larger)
-    return posed(
-        truth, finer * (4.0 if poor else 1.0), ["rich" if protocol == "usual" else protocol], seed, known
-    )
+    return posed(truth, finer * (4.0 if poor else 1.0), ["rich" if protocol == "usual" else protocol], seed, known)
 
 
 TRIALS = Trials(

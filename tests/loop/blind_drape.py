@@ -55,9 +55,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     """Return the case of a truth with markers of one protocol after the other."""
     draped, forward = model()
     files = [
-        Markers(
-            f"{number}.csv", *truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol)
-        )
+        Markers(f"{number}.csv", *truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol))
         for number, protocol in enumerate(protocols)
     ]
     problem = pose(draped, files, 0.10, [])
@@ -65,9 +63,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     sd[: 3 * sum(len(one.flat) for one in files)] = noise
 
     def again(what: NextMeasurement | None) -> Case:
-        kind = (
-            protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
-        )
+        kind = protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
         return posed(truth, noise, [*protocols, kind], seed)
 
     return Case(problem, noise_of([(one, None) for one in files], None), sd, forward.corrected, again)

@@ -71,12 +71,8 @@ def given(model: str) -> tuple[MaterialDocument, FabricProblem]:
 def written(model: str, own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]]) -> MaterialDocument:
     """Return the document that the loop writes with ``terms``, read again."""
     document, problem = given(model)
-    fit: Any = SimpleNamespace(
-        x=np.concatenate([own, *(v for _, v in terms.values())]), own=len(own), terms=terms
-    )
-    return parse_document(
-        extend(document, problem, fit, problem.law).to_json(), "loop.json", MaterialDocument
-    )
+    fit: Any = SimpleNamespace(x=np.concatenate([own, *(v for _, v in terms.values())]), own=len(own), terms=terms)
+    return parse_document(extend(document, problem, fit, problem.law).to_json(), "loop.json", MaterialDocument)
 
 
 def sought(model: str) -> list[Any]:
@@ -106,9 +102,7 @@ def test_a_fabric_with_an_effect_is_the_one_that_is_written(model: str, effect: 
     # A law that is added in the law's own terms is written as one law: then there is one modulus.
     both = asked.keys() & told.keys()
     assert len(both) == min(len(asked), len(told))
-    assert {name: told[name] for name in both} == pytest.approx(
-        {name: asked[name] for name in both}, abs=1e-9
-    )
+    assert {name: told[name] for name in both} == pytest.approx({name: asked[name] for name in both}, abs=1e-9)
 
 
 @pytest.mark.parametrize(("model", "effect", "form"), sought("yeoh-3"))
@@ -119,9 +113,7 @@ def test_a_fabric_with_an_effect_meets_one_plain_pull(model: str, effect: str, f
     entry = problem.effect(effect).form(form)
     values = np.array(entry.starts[0]) + 0.1 * np.array([constant.scale for constant in entry.constants])
     lam = np.linspace(1.0, 1.3, 30)
-    pull = TestCurve(
-        "uniaxial", lam, lam - 1.0, time_s=10.0 * lam, temperature_degC=np.full(30, 23.0), source="t"
-    )
+    pull = TestCurve("uniaxial", lam, lam - 1.0, time_s=10.0 * lam, temperature_degC=np.full(30, 23.0), source="t")
     again = pose(written(model, own, {effect: (form, values)}), "loop.json", Measured([pull], "MPa"))
     assert np.all(np.isfinite(again.predict(np.array([constant.value for constant in again.own]), {})))
     stays = {f"{effect} {one.name}" for one in entry.constants if one.low == one.high}

@@ -95,9 +95,7 @@ def posed(text: bytes, folder: Path) -> Posed:
     job = Job("close-loop", [], Console(True))
     warm = np.tile(np.linspace(25.0, 120.0, len(TIMES))[:, None], (1, 3))
     builder = MoldBuilder(document, name, job.inputs)
-    problem = heat.pose(
-        job, document, name, builder, heat.Thermocouples(TIMES, warm, ["A", "B", "C"]), [], 0.1
-    )
+    problem = heat.pose(job, document, name, builder, heat.Thermocouples(TIMES, warm, ["A", "B", "C"]), [], 0.1)
     return Posed(data, document, problem, np.array([constant.value for constant in problem.own]))
 
 
@@ -111,9 +109,7 @@ def values_of(form: Form) -> np.ndarray:
     return np.array(form.starts[0]) + 0.2 * np.array([constant.scale for constant in form.constants])
 
 
-def written(
-    own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path
-) -> tuple[Posed, list[str]]:
+def written(own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path) -> tuple[Posed, list[str]]:
     """Return the mold that the loop writes with ``terms``, read again, and what it says of them."""
     before = given()
     forms = {name: before.problem.effect(name).form(form) for name, (form, _) in terms.items()}
@@ -154,9 +150,7 @@ def test_every_constant_of_a_mold_has_its_place_in_the_set_up() -> None:
     assert all(constant.places for form in every for constant in form.constants)
 
 
-@pytest.mark.parametrize(
-    "which", [0, pytest.param(slice(1, -1), marks=pytest.mark.slow, id="others"), -1], ids=str
-)
+@pytest.mark.parametrize("which", [0, pytest.param(slice(1, -1), marks=pytest.mark.slow, id="others"), -1], ids=str)
 def test_a_mold_with_effects_is_the_one_that_is_written(which: int | slice, tmp_path: Path) -> None:
     some = batches()[which]
     for number, terms in enumerate([some] if isinstance(some, dict) else some):

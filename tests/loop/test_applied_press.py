@@ -63,9 +63,7 @@ def posed(case: PressCase, hot: bool) -> Posed:
     read = caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich")
     if hot:
         more = ("next formed", "next fabric", "next mounting", "next cold")
-        read += [
-            one for name in more for one in caps.measure(caps.Truth(()), np.random.default_rng(3), 0.0, name)
-        ]
+        read += [one for name in more for one in caps.measure(caps.Truth(()), np.random.default_rng(3), 0.0, name)]
     files = blind_press.as_readings(read)
     if hot:
         files.append(replace(files[-1], name="warm.csv", temperature=110.0))
@@ -87,9 +85,7 @@ def given(hot: bool = False, dwell: bool = False) -> Posed:
 
 def values_of(form: Form) -> np.ndarray:
     """Return constants of a form of which none stands at its null, of a size that a press has."""
-    return (
-        np.array(form.null) + 0.2 * (np.array(form.starts[0]) - form.null) + [c.scale for c in form.constants]
-    )
+    return np.array(form.null) + 0.2 * (np.array(form.starts[0]) - form.null) + [c.scale for c in form.constants]
 
 
 def written(before: Posed, own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path) -> Posed:

@@ -131,9 +131,7 @@ def test_where_a_search_starts_hangs_on_no_unit(entry: str) -> None:
         factor = 1e6 ** powers[0] * 3600.0 ** -powers[1].astype(float)
         for kind in ("starts", "probes"):
             for here, there in zip(getattr(form, kind), getattr(other[name], kind), strict=True):
-                np.testing.assert_allclose(
-                    there, factor * np.array(here), rtol=1e-9, err_msg=f"{name} {kind}"
-                )
+                np.testing.assert_allclose(there, factor * np.array(here), rtol=1e-9, err_msg=f"{name} {kind}")
 
 
 def test_what_is_probed_at_the_bench_goes_with_the_films_of_the_mold() -> None:
@@ -160,9 +158,7 @@ def test_the_test_proposed_is_the_one_that_is_weighed() -> None:
         assert time[~moves].sum() == pytest.approx(details["hold_s"])
         assert test.angle_deg == details["direction_deg"]
         assert (test.temperature_degC == details["temperature_degC"]).all()
-        turns = (
-            test.stretch[np.flatnonzero(np.diff(np.sign(step[moves]))) + 1] if not details["hold_s"] else []
-        )
+        turns = test.stretch[np.flatnonzero(np.diff(np.sign(step[moves]))) + 1] if not details["hold_s"] else []
         assert list(turns) == pytest.approx(details["stretch_turns"][:-1] if len(turns) else [])
         assert test.stretch[-1] == pytest.approx(details["stretch_turns"][-1])
 
@@ -183,9 +179,7 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
         done = []
         for number, (lam, rate) in enumerate(tests):
             time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
-            done.append(
-                TestCurve("uniaxial", lam, lam - 1.0, time_s=time, source=f"{number}", specimen=f"{number}")
-            )
+            done.append(TestCurve("uniaxial", lam, lam - 1.0, time_s=time, source=f"{number}", specimen=f"{number}"))
         problem = fabric_problem(laws()["neo-hookean"], (0.2,), done)
         named = {form.name: form for form in problem.effect("grip-slack").forms}
         return [set(one) for one in problem.look_alikes({"grip-slack": named[slack]} if slack else {})]
@@ -206,9 +200,7 @@ def test_what_the_plan_of_the_tests_cannot_tell_is_said_to_be_alike() -> None:
     def alike(*states: tuple[float | None, float], gives: str = "") -> list[set[str]]:
         """Of pulls at angles [deg] and temperatures [degC], where the grips were found to give so."""
         done = [
-            TestCurve(
-                "uniaxial", lam, lam - 1.0, direction=angle, temperature_degC=np.full(20, heat), source=f"{k}"
-            )
+            TestCurve("uniaxial", lam, lam - 1.0, direction=angle, temperature_degC=np.full(20, heat), source=f"{k}")
             for k, (angle, heat) in enumerate(states)
         ]
         problem = fabric_problem(laws()["neo-hookean"], (0.2,), done)

@@ -243,11 +243,7 @@ def _asks_a_name(node: ast.AST) -> bool:
         )
 
     if isinstance(node, ast.Compare):
-        texts = [
-            one
-            for one in ast.walk(node)
-            if isinstance(one, ast.Constant) and one.value and one.value != "form"
-        ]
+        texts = [one for one in ast.walk(node) if isinstance(one, ast.Constant) and one.value and one.value != "form"]
         return is_form(node.left) and any(isinstance(one.value, str) for one in texts)
     call = isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     return call and node.func.attr in ("startswith", "endswith", "split") and is_form(node.func.value)

@@ -49,9 +49,7 @@ def specimens(makes: Makes) -> list[TestCurve]:
     """Cycles of compression at two rates and two temperatures, each with a replicate, and the stretch across."""
     random = np.random.default_rng(4)
     stretch, found = cycles(), []
-    for number, (rate, degrees) in enumerate(
-        [(0.01, 23.0), (0.01, 23.0), (0.2, 23.0), (0.2, 23.0), (0.01, 80.0)]
-    ):
+    for number, (rate, degrees) in enumerate([(0.01, 23.0), (0.01, 23.0), (0.2, 23.0), (0.2, 23.0), (0.01, 80.0)]):
         time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(stretch)) / rate)])
         stress = makes(stretch, time, degrees)
         found.append(
@@ -107,9 +105,7 @@ def closed(makes: Makes) -> tuple[FabricProblem, Finding]:
 SLOW = ("mullins", "hysteresis", "thermal-softening")
 
 
-@pytest.mark.parametrize(
-    "effect", [pytest.param(one, marks=pytest.mark.slow if one in SLOW else ()) for one in TRUTHS]
-)
+@pytest.mark.parametrize("effect", [pytest.param(one, marks=pytest.mark.slow if one in SLOW else ()) for one in TRUTHS])
 def test_what_a_pressed_foam_has_is_named(effect: str) -> None:
     problem, found = closed(TRUTHS[effect])
     assert list(found.after.ids) == ([effect] if effect else [])
@@ -130,9 +126,7 @@ def test_a_foam_with_a_term_added_is_that_of_one_term_more() -> None:
     one, term = np.array([0.05, 5.0, 0.2]), {"elastic-law": ("term-2", np.array([0.02, -2.0, 0.35]))}
     fabric = Fabric(law_of("hyperfoam-1", GIVEN, foam=True), path)
     expected = [law.stress(one.mode, one.stretch, one.stretch2) for one in tests]
-    np.testing.assert_allclose(
-        fabric.stress(one, None, term), np.concatenate(expected), rtol=1e-12, atol=1e-15
-    )
+    np.testing.assert_allclose(fabric.stress(one, None, term), np.concatenate(expected), rtol=1e-12, atol=1e-15)
     np.testing.assert_allclose(fabric.across(term, one)[:9], law.lateral("uniaxial", way), rtol=1e-12)
     nothing = {"elastic-law": ("term-2", np.array([0.0, -2.0, 0.35]))}
     assert np.array_equal(fabric.stress(one, None, nothing), fabric.stress(one, None, {}))

@@ -13,9 +13,7 @@ from hyperfab.loop.gauges import Misread, misread
 from hyperfab.materials import law
 
 
-def told(
-    factor: float, axis: str, count: int = 3, scatter: float = 0.02, seed: int = 0
-) -> list[tuple[int, Misread]]:
+def told(factor: float, axis: str, count: int = 3, scatter: float = 0.02, seed: int = 0) -> list[tuple[int, Misread]]:
     """What is told of ``count`` replicates, the second of which is read with a size off by ``factor``."""
     random = np.random.default_rng(seed)
     setups = [truths.Setup(turns=(1.5, 1.0), rate=0.01) for _ in range(count)]

@@ -107,9 +107,7 @@ def test_wire_at_constant_voltage_warms_as_the_ordinary_differential_equation_sa
     ("form", "values"),
     [("wire and share", [0.1, 0.01]), ("bent", [0.05, 2e-3, 1e-6]), ("through the back", [0.1, 0.02])],
 )
-def test_power_that_reached_the_mold_as_a_schedule_warms_it_as_the_term_does(
-    form: str, values: list[float]
-) -> None:
+def test_power_that_reached_the_mold_as_a_schedule_warms_it_as_the_term_does(form: str, values: list[float]) -> None:
     problem, _ = cube(20.0, 25.0)
     own = np.array([constant.value for constant in problem.own])
     own[[constant.name for constant in problem.own].index("heater.0.power")] = 1.2
@@ -132,9 +130,7 @@ def test_thermostat_is_followed_by_the_power_it_drew() -> None:
     times = np.linspace(0.0, 1000.0, 201)
     power = np.where((times < 300.0) | (np.sin(times / 20.0) > 0.0), 40.0, 0.0)
     read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"], power)
-    problem = heat.pose(
-        job, document, "cube.toml", MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1
-    )
+    problem = heat.pose(job, document, "cube.toml", MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1)
     found = problem.predict(np.array([constant.value for constant in problem.own]), {})
     capacity, loss, fine = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3, np.linspace(0.0, 1000.0, 200001)
     drawn, now, expected = np.interp(fine, times, power), 25.0, []
@@ -155,9 +151,7 @@ def test_missing_readings_leave_the_others_where_they_are() -> None:
     readings = np.full((101, 1), 25.0)
     readings[[0, 17, 50]] = np.nan
     builder = MoldBuilder(document, "cube.toml", job.inputs)
-    problem = heat.pose(
-        job, document, "cube.toml", builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1
-    )
+    problem = heat.pose(job, document, "cube.toml", builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1)
     whole, _ = cube(10.0, 25.0)
     own = np.array([constant.value for constant in problem.own])
     assert len(problem.measured) == 98
@@ -177,17 +171,13 @@ def test_sensor_lag_of_a_mold_is_found_and_written(hf: Run, tmp_path: Path) -> N
     text, power = truths.mold_toml()
     (tmp_path / "mold.toml").write_text(text)
     (tmp_path / "power.csv").write_text(power)
-    times, readings = truths.measure(
-        truths.Truth(("sensor-lag",), {"sensor-lag": 1.0}), np.random.default_rng(2), 0.3
-    )
+    times, readings = truths.measure(truths.Truth(("sensor-lag",), {"sensor-lag": 1.0}), np.random.default_rng(2), 0.3)
     rows = [",".join(f"{v:.4f}" for v in (t, *row)) for t, row in zip(times, readings, strict=True)]
     head = "time [s]," + ",".join(f"T{i} [degC]" for i in range(1, 5))
     (tmp_path / "tc.csv").write_text("\n".join([head, *rows]) + "\n")
     done = hf("close-loop", "mold.toml", "--measured", "tc.csv", "-o", "loop.json", cwd=tmp_path, timeout=900)
     found = json.loads((tmp_path / "loop.json").read_text())
     assert done.returncode == 0, done.stderr.decode()
-    named = {effect["id"] for effect in found["effects"]} | {
-        name for one in found["indistinguishable"] for name in one
-    }
+    named = {effect["id"] for effect in found["effects"]} | {name for one in found["indistinguishable"] for name in one}
     assert "sensor-lag" in named
     assert hf("mold-heat", found["model"], cwd=tmp_path, timeout=300).returncode == 0

@@ -44,9 +44,7 @@ def biaxial(weft: float, seed: int = 0, specimens: int = 2) -> list[TestCurve]:
     for protocol, (x, y) in {"strip x": (1, 0), "strip y": (0, 1), "even": (1, 1)}.items():
         for number in range(specimens):
             lx, ly = (1.0 + on * (pull - 1.0) + 1e-4 * rng.standard_normal(40) for on in (x, y))
-            px, py = (
-                p * (1.0 + 0.01 * number) + 5e-4 * rng.standard_normal(40) for p in orthotropic(lx, ly, weft)
-            )
+            px, py = (p * (1.0 + 0.01 * number) + 5e-4 * rng.standard_normal(40) for p in orthotropic(lx, ly, weft))
             name = f"{protocol} {number}"
             for angle, one, other, stress in ((0.0, lx, ly, px), (90.0, ly, lx, py)):
                 found.append(
@@ -263,9 +261,7 @@ def test_contraction_that_nature_forbids_is_not_added(ratio: float) -> None:
 def test_no_direction_comes_out_without_stiffness_at_rest(model: str) -> None:
     """A toe that is flat at rest, one curve a direction: the best constants of many laws have a negative modulus."""
     tests = [
-        pulled(
-            lambda lam, k=k: 0.5 * k * (lam - 1.0) ** 3.5, seed=k, direction=90.0 * (k - 1), name=f"way {k}"
-        )
+        pulled(lambda lam, k=k: 0.5 * k * (lam - 1.0) ** 3.5, seed=k, direction=90.0 * (k - 1), name=f"way {k}")
         for k in (1, 2)
     ]
     problem = posed(tests, model)
@@ -303,9 +299,7 @@ def test_specimens_that_scatter_without_replicates_are_noise_and_said_to_be() ->
         ((0.98, 1.0, 1.02), 0.90, True),  # t = 6.5, once in three hundred
     ],
 )
-def test_two_pairs_that_agree_by_chance_are_no_proof(
-    gains: tuple[float, ...], hot: float, named: bool
-) -> None:
+def test_two_pairs_that_agree_by_chance_are_no_proof(gains: tuple[float, ...], hot: float, named: bool) -> None:
     """Of two cold specimens and two hot ones the scatter is known with two degrees of freedom."""
     tests = [
         pulled(
@@ -422,9 +416,7 @@ def test_a_constant_at_its_bound_is_said_to_be() -> None:
     form = found.after.fit.forms["thermal-softening"]
     tight = replace(form, constants=tuple(replace(c, high=1e-4) for c in form.constants))
     noise = found.noise
-    again = fit(
-        problem, noise, {"thermal-softening": tight}, [*found.before.fit.x, *(1e-5 for _ in form.constants)]
-    )
+    again = fit(problem, noise, {"thermal-softening": tight}, [*found.before.fit.x, *(1e-5 for _ in form.constants)])
     [told] = _at_bounds(replace(found, after=Candidate(problem, noise, again)))
     assert told.startswith(f"{form.constants[0].name} of thermal-softening is at its bound 0.0001")
 

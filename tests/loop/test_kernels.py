@@ -54,9 +54,7 @@ def entry(name: str, low: float = -10.0) -> Effect:
     return Effect(name, name, "", "", (form,))
 
 
-def line(
-    measured: Array, *, prior: float = np.inf, curves: int = 3, effects: tuple[Effect, ...] = ()
-) -> Line:
+def line(measured: Array, *, prior: float = np.inf, curves: int = 3, effects: tuple[Effect, ...] = ()) -> Line:
     own = (Constant("a", 1.0, prior_sd=prior), Constant("b", 2.0, prior_sd=prior))
     edges = np.linspace(0, COUNT, curves + 1).astype(int)
     parts = tuple(Curve(f"t{k}", int(a), int(b), X[a:b]) for k, (a, b) in enumerate(pairwise(edges)))
@@ -96,9 +94,7 @@ def test_what_is_known_beforehand_pulls_as_much_as_it_is_sure() -> None:
         firm = max(float(np.sum((y - DESIGN @ mean) ** 2)) / SD**2 / COUNT, 1.0)
     assert found.x == pytest.approx(mean, abs=2e-4)
     assert found.sd == pytest.approx(np.sqrt(np.diag(np.linalg.inv(precision))), rel=0.02)
-    assert found.cost - found.chi2 == pytest.approx(
-        firm * float(np.sum((mean - [1.0, 2.0]) ** 2)) / known**2, rel=0.02
-    )
+    assert found.cost - found.chi2 == pytest.approx(firm * float(np.sum((mean - [1.0, 2.0]) ** 2)) / known**2, rel=0.02)
     assert np.diag(inverse(np.diag([4.0, 0.25]), 1e-9)) == pytest.approx([0.25, 4.0])
 
 
@@ -135,21 +131,15 @@ def test_the_greatest_of_a_score_by_chance(seen: float) -> None:
     one, two = signatures(problem, WHITE, fit(problem, WHITE, {}, [1.0, 2.0]), problem.effects)
     single = 2.0 * norm.sf(seen)
     object.__setattr__(one, "z", seen)
-    assert greatest_by_chance([one], np.inf) == pytest.approx(
-        single, abs=4.0 * math.sqrt(single / 2000) + 1e-3
-    )
+    assert greatest_by_chance([one], np.inf) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
     across = two.direction - one.direction * float(one.direction @ two.direction)
     object.__setattr__(two, "direction", across / np.linalg.norm(across))
     object.__setattr__(two, "z", 0.0)
     both = 1.0 - (1.0 - single) ** 2
-    assert greatest_by_chance([one, two], np.inf) == pytest.approx(
-        both, abs=4.0 * math.sqrt(both / 2000) + 1e-3
-    )
+    assert greatest_by_chance([one, two], np.inf) == pytest.approx(both, abs=4.0 * math.sqrt(both / 2000) + 1e-3)
     # Alike, they count for one.
     object.__setattr__(two, "direction", one.direction)
-    assert greatest_by_chance([one, two], np.inf) == pytest.approx(
-        single, abs=4.0 * math.sqrt(single / 2000) + 1e-3
-    )
+    assert greatest_by_chance([one, two], np.inf) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
     # A noise that is known by four readings makes great scores commoner.
     assert greatest_by_chance([one], 4.0) > 1.2 * greatest_by_chance([one], np.inf)
     assert greatest_by_chance([], 10.0) == 1.0
@@ -212,9 +202,7 @@ def test_rows_of_two_curves_are_not_alike_by_standing_one_after_the_other() -> N
     total = 1.0
     for lag in range(1, 20):
         both = sum(
-            float(left[c.start + lag : c.stop] @ left[c.start : c.stop - lag])
-            for c in curves
-            if lag < c.stop - c.start
+            float(left[c.start + lag : c.stop] @ left[c.start : c.stop - lag]) for c in curves if lag < c.stop - c.start
         )
         if both / float(left @ left) < 0.05:
             break
@@ -294,15 +282,11 @@ def test_models_are_compared_by_schwarzs_criterion() -> None:
     scale = max(richer.chi2 / COUNT, 1.0)
     time = correlation_time(richer.residual, problem.curves)
     for names, one, constants in (((), plain, 2), (("bump",), richer, 3)):
-        assert told[names] == pytest.approx(
-            one.chi2 / scale / time + constants * math.log(COUNT / time), rel=1e-9
-        )
+        assert told[names] == pytest.approx(one.chi2 / scale / time + constants * math.log(COUNT / time), rel=1e-9)
     two = np.repeat([0, 1], COUNT // 2)
     halves = [float(np.sum(plain.residual[two == k] ** 2)) for k in (0, 1)]
     least = [max(float(np.mean(richer.residual[two == k] ** 2)), 1.0) for k in (0, 1)]
-    assert scaled_chi2(plain, richer, two) == pytest.approx(
-        halves[0] / least[0] + halves[1] / least[1], rel=1e-9
-    )
+    assert scaled_chi2(plain, richer, two) == pytest.approx(halves[0] / least[0] + halves[1] / least[1], rel=1e-9)
     assert prior_misfit(plain, richer, problem) == 0.0
 
 
@@ -319,9 +303,7 @@ def test_what_a_residual_rides_on_is_the_share_its_means_explain() -> None:
     assert found["other"] < 0.01
     smooth = np.linspace(0.0, 1.0, 800)
     # Of a line over the range, means in eight bins explain all but 1/64.
-    assert dependence(smooth - 0.5, {"x": smooth})["x"] == pytest.approx(
-        1.0 - 1.0 / 64.0 - 8.0 / 800.0, abs=1e-3
-    )
+    assert dependence(smooth - 0.5, {"x": smooth})["x"] == pytest.approx(1.0 - 1.0 / 64.0 - 8.0 / 800.0, abs=1e-3)
 
 
 def test_a_suggestion_is_the_formula_that_is_there() -> None:

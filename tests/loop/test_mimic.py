@@ -122,9 +122,7 @@ def test_another_name_is_told_beside_the_one_it_could_stand_for(
     assert {name: list(others) for name, others in found.items()} == told
 
 
-@pytest.mark.parametrize(
-    ("less_likely", "free", "told"), [(3.5, True, True), (4.5, True, False), (4.5, False, True)]
-)
+@pytest.mark.parametrize(("less_likely", "free", "told"), [(3.5, True, True), (4.5, True, False), (4.5, False, True)])
 def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
     less_likely: float, free: bool, told: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -45,9 +45,7 @@ def test_noise_of_each_curve_is_its_own_where_they_clearly_differ(louder: float)
     rng = np.random.default_rng(8)
     setup = truths.Setup(turns=(1.4, 1.0), rate=0.01)
     readings = truths.measure(truths.draw(rng, ()), [setup] * 4, rng, 0.002)
-    readings[2].stress = readings[2].stress + rng.normal(
-        0.0, 0.002 * np.sqrt(louder**2 - 1.0), len(readings[2].stress)
-    )
+    readings[2].stress = readings[2].stress + rng.normal(0.0, 0.002 * np.sqrt(louder**2 - 1.0), len(readings[2].stress))
     problem = problem_of(readings)
     noise = estimate_noise(problem)
     levels = [float(np.median(noise.sd[curve.rows])) for curve in problem.curves]

@@ -66,9 +66,7 @@ def test_what_a_temperature_does_to_readings_taken_in_turn_is_no_noise() -> None
     rng, sd = np.random.default_rng(16), 0.01
     x, warm = np.linspace(0.0, 1.0, 600), np.tile([23.0, 40.0, 60.0], 200)
     load = x**2 * (1.0 - 0.01 * (warm - 23.0)) + sd * rng.standard_normal(600)
-    assert guess_of_curve(load, x, state=warm + 0.2 * rng.uniform(-1.0, 1.0, 600)).size == pytest.approx(
-        sd, rel=0.1
-    )
+    assert guess_of_curve(load, x, state=warm + 0.2 * rng.uniform(-1.0, 1.0, 600)).size == pytest.approx(sd, rel=0.1)
     # Where each reading has a temperature of its own there is one curve.
     drift = guess_of_curve(load[::3], x[::3], state=np.linspace(20.0, 90.0, 200))
     assert drift.size == guess_of_curve(load[::3], x[::3]).size

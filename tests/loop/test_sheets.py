@@ -55,14 +55,10 @@ def drape() -> DrapeProblem:
     axes = [Axis(name, 1.0, 0.3, 0.3, mixes=False) if name.startswith("law")
             else Axis(name, 0.0, 0.4, 0.4 if name in ("depth", "weft more") else 0.0) for name in names]  # fmt: skip
     base = np.array([axis.base for axis in axes])
-    settings = np.stack(
-        [base, *(base + [axis.up * one.get(axis.name, 0.0) for axis in axes] for one in places(axes))]
-    )
+    settings = np.stack([base, *(base + [axis.up * one.get(axis.name, 0.0) for axis in axes] for one in places(axes))])
     place = np.random.default_rng(4).standard_normal((len(names), 7 * 7 * 3))
     kriged = krige(axes, settings, settings @ place)
-    draped = Draped(
-        kriged, (7, 7), np.zeros((7, 7, 3)), (200.0, 200.0), ("warp", "weft"), (True, True), (0.0, 0.0)
-    )
+    draped = Draped(kriged, (7, 7), np.zeros((7, 7, 3)), (200.0, 200.0), ("warp", "weft"), (True, True), (0.0, 0.0))
     flat = np.random.default_rng(5).uniform(-90.0, 90.0, (40, 2))
     return drape_problem(draped, [Markers("m", flat, np.zeros((40, 3)))])
 
@@ -116,9 +112,7 @@ def test_a_sheet_stiffer_and_heavier_by_as_much_rests_as_before() -> None:
     assert np.allclose(light[:-3], heavy[:-3], rtol=0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "problem", [contact(), contact(slip=4.0), drape()], ids=["contact", "slipping", "drape"]
-)
+@pytest.mark.parametrize("problem", [contact(), contact(slip=4.0), drape()], ids=["contact", "slipping", "drape"])
 def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
     problem: ContactProblem | DrapeProblem,
 ) -> None:
@@ -198,10 +192,7 @@ def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
     effects, depth = np.array([0.0, 0.0, 8.0, 0.0, 0.0]), np.linspace(10.0, 50.0, 9)
     soft = np.linspace(1.0, 0.7, 9)
     mixed = problem.sheet.force(np.ones(2), effects, depth, soft)
-    alone = [
-        float(problem.sheet.force(np.ones(2), effects, depth[i : i + 1], soft[i : i + 1])[0])
-        for i in range(9)
-    ]
+    alone = [float(problem.sheet.force(np.ones(2), effects, depth[i : i + 1], soft[i : i + 1])[0]) for i in range(9)]
     assert mixed == pytest.approx(np.array(alone), rel=1e-3)
 
 
@@ -265,9 +256,7 @@ def test_noise_that_is_known_badly_and_guessed_too_low_is_nothing_else(low: floa
         (lambda warm: 1.8 * warm + 32.0, True),  # degF
     ],
 )
-def test_a_thermocouple_at_fault_is_told_from_the_others(
-    third: Callable[[np.ndarray], np.ndarray], told: bool
-) -> None:
+def test_a_thermocouple_at_fault_is_told_from_the_others(third: Callable[[np.ndarray], np.ndarray], told: bool) -> None:
     warm = np.linspace(20.0, 200.0, 30)
     curves = tuple(Curve(name, 30 * k, 30 * k + 30, warm) for k, name in enumerate(("a", "b", "c")))
     given = np.tile(warm, 3)

@@ -47,9 +47,7 @@ def pulled(celsius: float, rate: float, random: np.random.Generator) -> TestCurv
 
 def problem() -> FabricProblem:
     random = np.random.default_rng(5)
-    tests = [
-        pulled(celsius, rate, random) for celsius in (-20.0, 0.0, 20.0, 50.0, 80.0) for rate in (0.03, 0.1)
-    ]
+    tests = [pulled(celsius, rate, random) for celsius in (-20.0, 0.0, 20.0, 50.0, 80.0) for rate in (0.03, 0.1)]
     return fabric_problem(law("neo-hookean"), (0.05,), tests, reference_degC=REFERENCE)
 
 
@@ -66,8 +64,7 @@ def test_relaxation_that_heat_quickens_is_told_with_its_shift() -> None:
     assert missed(found.before.fit.predicted) > 0.4
     assert missed(found.after.fit.predicted) < 0.01  # the noise
     told = {
-        name: form.named(found.after.fit.x[found.after.fit.place(name)])
-        for name, form in found.after.fit.forms.items()
+        name: form.named(found.after.fit.x[found.after.fit.place(name)]) for name, form in found.after.fit.forms.items()
     }
     for celsius in (-20.0, 0.0, 50.0):
         rise = celsius - REFERENCE
@@ -79,9 +76,7 @@ def test_relaxation_that_heat_quickens_is_told_with_its_shift() -> None:
 
 @pytest.mark.slow
 def test_a_simpler_form_stays_where_a_richer_one_misses_readings_set_apart_by_more() -> None:
-    found = close(
-        problem(), design=False, apart=lambda fitted: float(any(form.free for form in fitted.forms.values()))
-    )
+    found = close(problem(), design=False, apart=lambda fitted: float(any(form.free for form in fitted.forms.values())))
     assert "rate" in found.after.ids
     assert found.worse == ()
     assert not any(form.free for form in found.after.fit.forms.values())

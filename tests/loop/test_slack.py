@@ -28,9 +28,7 @@ def cycle(rate: float, shares: tuple[float, float], thick: bool = False) -> Test
         branches = branches * np.exp(-step / TIMES)
         branches += 0.03 * np.array(shares) * (driving[k] - driving[k - 1]) * np.exp(-0.5 * step / TIMES)
         stress[k] += branches.sum()
-    read = (stress if thick else np.maximum(stress, 0.0)) + np.random.default_rng(3).normal(
-        0.0, NOISE, len(time)
-    )
+    read = (stress if thick else np.maximum(stress, 0.0)) + np.random.default_rng(3).normal(0.0, NOISE, len(time))
     return TestCurve("uniaxial", stretch, read, time_s=time, source=f"{rate} 1/s", specimen=f"{rate} 1/s")
 
 

@@ -113,8 +113,7 @@ def test_there_is_more_of_an_effect_each_way() -> None:
     # The root of I1 - 3 at a small strain, over that of a strip.
     small = 1.0 + 1e-4
     strip, held, both = (
-        (x**2 + y**2 + (x * y) ** -2 - 3.0) ** 0.5
-        for x, y in ((small, small**-0.5), (small, 1.0), (small, small))
+        (x**2 + y**2 + (x * y) ** -2 - 3.0) ** 0.5 for x, y in ((small, small**-0.5), (small, 1.0), (small, small))
     )
     np.testing.assert_allclose(ways.amount(path, 0.0, 1.0)[3:], [held / strip, both / strip], rtol=1e-3)
     # The change of the stress is so many times as large.
@@ -200,9 +199,7 @@ def test_a_smooth_function_is_the_natural_spline_through_its_values_and_goes_on_
 def test_what_goes_on_straight_has_the_slopes_it_says(order: int) -> None:
     spline, x, step = cardinal(4).antiderivative(), np.array([0.13, 0.4, 0.9, 1.2, 1.9]), 1e-5
     ahead, behind = (straight(spline, x + s, order - 1) for s in (step, -step))
-    np.testing.assert_allclose(
-        straight(spline, x, order), (ahead - behind) / (2.0 * step), rtol=1e-7, atol=1e-7
-    )
+    np.testing.assert_allclose(straight(spline, x, order), (ahead - behind) / (2.0 * step), rtol=1e-7, atol=1e-7)
 
 
 @pytest.mark.parametrize("name", ["smooth", "smooth-close"])
@@ -217,9 +214,7 @@ def test_a_smooth_elastic_law_is_one_energy(name: str) -> None:
             return np.asarray(form.terms(sheet, 0.8)[k].membrane(sheet).W)
 
         stress = form.terms(Sheet.of(l1, l2), 0.8)[k].stress(Sheet.of(l1, l2))
-        np.testing.assert_allclose(
-            stress, (energy(l1 + step) - energy(l1 - step)) / (2 * step), rtol=1e-5, atol=1e-7
-        )
+        np.testing.assert_allclose(stress, (energy(l1 + step) - energy(l1 - step)) / (2 * step), rtol=1e-5, atol=1e-7)
         assert stress[0] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -258,9 +253,7 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), plain="elastic-law")
     size = (1.0 + left**2) * 1000.0
     forms = {name: SimpleNamespace(free=free and name == names[0]) for name in names}
-    fit = SimpleNamespace(
-        residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms
-    )
+    fit = SimpleNamespace(residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms)
     noise = Noise(np.ones(len(fit.residual)), np.inf, "stated")
     judgement = SimpleNamespace(is_noise=False)
     return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=fit, judgement=judgement)

@@ -96,13 +96,9 @@ def one_of_each(seed: int, soften: float) -> Finding:
             stretch = np.linspace(1.0, random.uniform(1.9, 2.1), ROWS)
             first = stretch**2 + 2.0 / stretch - 3.0
             stress = 2.0 * (0.4 - 0.04 * first + 0.03 * first**2) * (stretch - stretch**-2)
-            stress *= (
-                of_warp * (1.0 + 0.04 * random.standard_normal()) * (1.0 - soften * (celsius - 23.0) / 82.0)
-            )
+            stress *= of_warp * (1.0 + 0.04 * random.standard_normal()) * (1.0 - soften * (celsius - 23.0) / 82.0)
             stress += 5e-3 * random.standard_normal(ROWS)
-            test = TestCurve(
-                "uniaxial", stretch, stress, temperature_degC=np.full(ROWS, celsius), direction=degrees
-            )
+            test = TestCurve("uniaxial", stretch, stress, temperature_degC=np.full(ROWS, celsius), direction=degrees)
             tests.append(replace(test, source=f"{celsius} {degrees}", specimen=f"{celsius} {degrees}"))
     weft = (0.28, -0.028, 0.021)
     return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests, weft=weft), design=False)

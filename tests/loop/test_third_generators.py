@@ -28,9 +28,7 @@ def _drawn(effect: str, kind: int) -> Truth:
 
 
 @pytest.mark.parametrize(("effect", "kind"), CASES)
-def test_every_kind_is_finite_repeatable_of_practical_size_and_gone_at_no_amount(
-    effect: str, kind: int
-) -> None:
+def test_every_kind_is_finite_repeatable_of_practical_size_and_gone_at_no_amount(effect: str, kind: int) -> None:
     truth = _drawn(effect, kind)
     assert 0.01 < fabrics.departure(truth, BRIEF, fine=2) < 0.12
     reads = fabrics.measure(truth, BRIEF[:2], np.random.default_rng(1), 0.002)
@@ -45,10 +43,7 @@ def test_every_kind_is_finite_repeatable_of_practical_size_and_gone_at_no_amount
     for share, most in ((0.0, 1e-12), (1e-3, 1e-3)):
         faint = {effect: truth.draws[effect] | {"amount": share * truth.draws[effect]["amount"]}}
         if share == 0.0 or effect not in {"compressibility", "permanent-set"}:
-            assert (
-                fabrics.departure(replace(truth, draws=truth.draws | faint, laws={}), BRIEF[:2], fine=1)
-                <= most
-            )
+            assert fabrics.departure(replace(truth, draws=truth.draws | faint, laws={}), BRIEF[:2], fine=1) <= most
 
 
 @pytest.mark.parametrize("effect", ["hysteresis", "rate", "mullins", "permanent-set"])
@@ -77,9 +72,7 @@ def test_the_plain_law_contracts_without_change_of_volume_and_is_stiffer_when_he
 def test_warmth_softens_the_more_the_warmer(kind: int) -> None:
     truth = _drawn("thermal-softening", kind)
     tests = [Setup("uniaxial", 0.0, 0.003, warm, (1.5,), points=8) for warm in (23.0, 33.0, 43.0, 53.0, 68.0)]
-    peaks = [
-        r.stress.max() for r in fabrics.measure(replace(truth, seed=0), tests, np.random.default_rng(4), 0.0)
-    ]
+    peaks = [r.stress.max() for r in fabrics.measure(replace(truth, seed=0), tests, np.random.default_rng(4), 0.0)]
     assert all(b < a * 1.012 for a, b in pairwise(peaks))
     assert peaks[-1] < 0.97 * peaks[0]
 

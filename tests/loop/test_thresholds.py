@@ -129,9 +129,7 @@ def pair(gain: float, offset: float = 0.0) -> tuple[Any, Noise, float]:
     stress, sd = rubber(lam), 0.02
     one_sd = sd / float(np.sqrt(np.sum(stress**2)))
     tests = [
-        TestCurve(
-            "uniaxial", lam, stress * (1.0 + sign * 0.5 * gain * one_sd), source=f"{k}", specimen=f"{k}"
-        )
+        TestCurve("uniaxial", lam, stress * (1.0 + sign * 0.5 * gain * one_sd), source=f"{k}", specimen=f"{k}")
         for k, sign in enumerate((-1.0, 1.0))
     ]
     problem = posed(tests)
@@ -154,9 +152,7 @@ def offset_told(gained: float) -> bool:
 def scatter_tried() -> float:
     """The likeliest scatter, over what replicates say it may be, of sheets that differ threefold between directions."""
     tests = [
-        pulled(
-            lambda l, k=k: k * rubber(l), rows=30, noise=1e-3, seed=10 * k + n, direction=a, name=f"{a} {n}"
-        )
+        pulled(lambda l, k=k: k * rubber(l), rows=30, noise=1e-3, seed=10 * k + n, direction=a, name=f"{a} {n}")
         for k, a in ((1, 0.0), (3, 90.0))
         for n in range(2)
     ]
@@ -179,9 +175,7 @@ def cloth(share: float) -> str:
             degrees=20 + k,
             name=f"{k}",
         )
-        for k, (a, way) in enumerate(
-            zip((0.0, 90.0, 0.0, 90.0, 0.0, 90.0), (1, 1, -1, -1, 0.6, -0.6), strict=True)
-        )
+        for k, (a, way) in enumerate(zip((0.0, 90.0, 0.0, 90.0, 0.0, 90.0), (1, 1, -1, -1, 0.6, -0.6), strict=True))
     ]
     return engine.close(posed(tests), design=False).verdict
 
@@ -245,8 +239,7 @@ def same(
     problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True, describes=False)
     search: Any = SimpleNamespace(problem=problem, noise=None)
     best, other = (
-        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10), forms={}))
-        for x in (0.0, away)
+        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10), forms={})) for x in (0.0, away)
     )
     patch.setattr(confounding, "_misfit", lambda *given: 10.0 * left)
     patch.setattr(confounding, "_gap", lambda *given: gap)
@@ -291,9 +284,7 @@ def leaving(names: tuple[str, ...], left: float) -> Any:
     residual = np.full(1000, np.sqrt(chi2 / 1000.0))
     found = SimpleNamespace(residual=residual, x=np.empty(0), chi2=chi2, forms={})
     noise = Noise(np.ones(len(residual)), np.inf, "stated")
-    return SimpleNamespace(
-        ids=names, problem=problem, noise=noise, fit=found, judgement=judged(min(left, 0.4))
-    )
+    return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=found, judgement=judged(min(left, 0.4)))
 
 
 def as_likely(left: float) -> bool:
@@ -429,10 +420,6 @@ def test_a_test_left_out_counts_where_the_others_know_it_better_than_a_reading_w
 
 
 def test_the_page_has_each_number_with_its_value() -> None:
-    rows = re.findall(
-        r"^\| `([A-Z_]+)` \| ([^ |]+) \| ([^|]+) \|$", PAGE.read_text(encoding="utf-8"), flags=re.M
-    )
-    assert {name: float(value) for name, value, _ in rows} == {
-        name: getattr(thresholds, name) for name in NAMES
-    }
+    rows = re.findall(r"^\| `([A-Z_]+)` \| ([^ |]+) \| ([^|]+) \|$", PAGE.read_text(encoding="utf-8"), flags=re.M)
+    assert {name: float(value) for name, value, _ in rows} == {name: getattr(thresholds, name) for name in NAMES}
     assert all(len(why) > 20 for _, _, why in rows)

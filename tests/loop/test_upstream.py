@@ -65,9 +65,7 @@ def test_a_chapter_that_bends_is_followed_to_its_best() -> None:
         return 30.0 * (np.exp(0.3 * change[0] * PLACES) - 1.0)
 
     values = bent(np.array([2.0])) + 0.1 * np.random.default_rng(3).standard_normal(len(PLACES))
-    found = trace(
-        read(values), np.zeros(len(PLACES)), [Chapter("fabric", np.eye(1), bent), linear("mounting")]
-    )
+    found = trace(read(values), np.zeros(len(PLACES)), [Chapter("fabric", np.eye(1), bent), linear("mounting")])
     assert found.suspects == ("fabric",)
     assert found.blamed["fabric"].change[0] == pytest.approx(2.0, abs=0.05)
     assert found.blamed["fabric"].off == pytest.approx(2.0, abs=0.05)

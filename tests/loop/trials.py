@@ -89,8 +89,7 @@ def table(trials: Trials, truth: tuple[str, ...], seeds: Sequence[int], protocol
             tally[verdict] += found.verdict == verdict
         # What no truth nor a look-alike of one stands behind.
         tally["spurious"] += named and any(
-            name not in truth
-            and not any(name in one and set(one) & set(truth) for one in found.indistinguishable)
+            name not in truth and not any(name in one and set(one) & set(truth) for one in found.indistinguishable)
             for name in found.after.ids
         )
         tally["held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
@@ -120,9 +119,7 @@ def main(trials: Trials) -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("count", type=int, nargs="?", default=8)
     parser.add_argument("protocol", nargs="?", default="rich")
-    parser.add_argument(
-        "effects", nargs="*", help="effect, effect+effect or none; all of one where not given"
-    )
+    parser.add_argument("effects", nargs="*", help="effect, effect+effect or none; all of one where not given")
     parser.add_argument("--two", action="store_true", help="pairs of effects")
     parser.add_argument("--outside", action="store_true", help="what the catalogue does not have")
     parser.add_argument("--next", action="store_true", help="carry out the next measurement")

@@ -21,9 +21,7 @@ WEIGHT = 1.0 / STRESS
 
 @pytest.fixture(scope="module")
 def fitted():
-    found = fit_law(
-        Problem(laws()["mooney-rivlin-2"], Rows.of([TestCurve("uniaxial", STRETCH, STRESS, WEIGHT)]))
-    )
+    found = fit_law(Problem(laws()["mooney-rivlin-2"], Rows.of([TestCurve("uniaxial", STRETCH, STRESS, WEIGHT)])))
     assert found is not None
     return found
 

@@ -42,9 +42,7 @@ class Row:
         self.from_l = before.l if before else 1.0
         self.up = self.l > self.from_l or (self.l == self.from_l and (before is None or before.up))
         self.lm: float = max(self.l, before.lm if before else 1.0)
-        self.returns: int = (before.returns if before else 0) + (
-            before is not None and before.up and not self.up
-        )
+        self.returns: int = (before.returns if before else 0) + (before is not None and before.up and not self.up)
         self.turn: Row = self if self.up or before is None else before.turn
         # Largest stretch of the pulls before this one.
         self.earlier: float = before.earlier if before else 1.0
@@ -114,9 +112,7 @@ def slipped(row: Row, give: Callable[[float], float]) -> float:
     return max(row.l - row.lm + gripped(row.lm, give), 1.0)
 
 
-def driven(
-    drive: Callable[[Row], float], step: Callable[[Row, float, float], float]
-) -> Callable[[Row], float]:
+def driven(drive: Callable[[Row], float], step: Callable[[Row, float, float], float]) -> Callable[[Row], float]:
     """A state that follows ``drive`` from rest: ``step(row, state before, change of the drive)``."""
 
     def state(row: Row) -> float:
@@ -163,9 +159,7 @@ def spectrum(
     return lambda r: (
         P(r.l)
         + sum(
-            maxwell(
-                lambda q: P(q.l) * q.l**bend, g, ends[0] * ratio**k, lambda q: math.exp(quick * q.e) * own(q)
-            )(r)
+            maxwell(lambda q: P(q.l) * q.l**bend, g, ends[0] * ratio**k, lambda q: math.exp(quick * q.e) * own(q))(r)
             for k, g in enumerate(shares)
         )
     )
@@ -333,9 +327,7 @@ def in_series(modulus: float, tau: float) -> Callable[[Row], float]:
             # The middle of a step, from half a step of Euler's.
             spring = math.exp(2.0 * (math.log(row.from_l) + k / 1000.0 * math.log(row.l / row.from_l) - log))
             middle = log + 0.0005 * row.dt * (spring - spring**-0.5) / (3.0 * tau)
-            spring = math.exp(
-                2.0 * (math.log(row.from_l) + (k + 0.5) / 1000.0 * math.log(row.l / row.from_l) - middle)
-            )
+            spring = math.exp(2.0 * (math.log(row.from_l) + (k + 0.5) / 1000.0 * math.log(row.l / row.from_l) - middle))
             log += 0.001 * row.dt * (spring - spring**-0.5) / (3.0 * tau)
         return log
 
@@ -538,9 +530,7 @@ STATED += [
         "grip-slack",
         "yields-curved",
         (0.5, 0.025, 2.0),
-        lambda row: P(
-            gripped(row.l, lambda load: 0.025 * (1.0 - math.exp(-4.0 * load)) / (1.0 - math.exp(-2.0)))
-        ),
+        lambda row: P(gripped(row.l, lambda load: 0.025 * (1.0 - math.exp(-4.0 * load)) / (1.0 - math.exp(-2.0)))),
     ),
     (
         "grip-slack",
@@ -599,9 +589,7 @@ NOT_HERE = {
 
 
 def measured() -> Fabric:
-    column = {
-        name: np.array([getattr(row, name) for row in ROWS]) for name in ("l", "t", "temperature", "angle")
-    }
+    column = {name: np.array([getattr(row, name) for row in ROWS]) for name in ("l", "t", "temperature", "angle")}
     path = Path(
         starts=(0, len(CURVES[0]), len(ROWS)),
         mode=np.full(len(ROWS), UNIAXIAL),
@@ -631,9 +619,7 @@ def test_a_form_is_the_law_that_the_page_states(
 @pytest.mark.parametrize("slope", [None, 0.3])
 @pytest.mark.parametrize("form", ["returned", "flow", "flow-added", "next-pull"])
 @pytest.mark.parametrize("power", [None, 0.0, 0.6, 1.0])
-def test_a_set_contracts_the_strip_as_the_page_states(
-    form: str, power: float | None, slope: float | None
-) -> None:
+def test_a_set_contracts_the_strip_as_the_page_states(form: str, power: float | None, slope: float | None) -> None:
     """Slack it is as wide as a strip pulled to its set, at the peak of ``returned`` as one that has none."""
     share, contracts = 0.2, lambda l: l ** -(slope or 0.5)
     terms = {"permanent-set": (form, np.array([share] if power is None else [share, power]))}
@@ -719,9 +705,7 @@ def test_the_energy_of_a_sheet_with_threads_and_an_added_law_is_the_integral_of_
     lam, h = np.linspace(1.05, 1.6, 6), 1e-4
     threads = {"anisotropy": ("threads", np.array([0.1, 0.05, 0.4, 0.03]))}
 
-    def answer(
-        terms: dict[str, tuple[str, np.ndarray]], stretch: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def answer(terms: dict[str, tuple[str, np.ndarray]], stretch: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         way = uniaxial_pull(stretch)
         way.angle_deg[:] = angle
         sheet = Fabric(law("neo-hookean"), way, REFERENCE)

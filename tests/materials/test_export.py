@@ -69,8 +69,7 @@ def chains(mu, lambda_m):
     """The series as the solvers' manuals print it."""
     C = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)
     return lambda a, b, c: (
-        mu
-        * sum(k * (invariants(a, b, c)[0] ** i - 3**i) / lambda_m ** (2 * i - 2) for i, k in enumerate(C, 1))
+        mu * sum(k * (invariants(a, b, c)[0] ** i - 3**i) / lambda_m ** (2 * i - 2) for i, k in enumerate(C, 1))
     )
 
 
@@ -112,10 +111,7 @@ def read_abaqus(card: str):
     if "OGDEN" in keyword:
         assert len(values) == 3 * order
         return powers(
-            [
-                (2 * mu / n**2, n)
-                for mu, n in zip(values[: 2 * order : 2], values[1 : 2 * order : 2], strict=True)
-            ]
+            [(2 * mu / n**2, n) for mu, n in zip(values[: 2 * order : 2], values[1 : 2 * order : 2], strict=True)]
         )
     if "ARRUDA" in keyword:
         return chains(*values[:2])
@@ -131,9 +127,7 @@ def read_abaqus(card: str):
 
 def read_ansys(card: str):
     head = next(line for line in card.splitlines() if line.startswith("TB,")).split(",")
-    values = [
-        float(v) for line in card.splitlines() if line.startswith("TBDATA") for v in line.split(",")[2:]
-    ]
+    values = [float(v) for line in card.splitlines() if line.startswith("TBDATA") for v in line.split(",")[2:]]
     kind, order = head[5], int(head[4] or 1)
     if kind == "NEO":
         return polynomial({(1, 0): values[0] / 2})
@@ -157,9 +151,7 @@ def read_ansys(card: str):
 
         return energy
     assert kind == "FOAM"
-    return foam(
-        [(values[2 * k] / values[2 * k + 1], values[2 * k + 1], values[2 * order + k]) for k in range(order)]
-    )
+    return foam([(values[2 * k] / values[2 * k + 1], values[2 * k + 1], values[2 * order + k]) for k in range(order)])
 
 
 def read_ls_dyna(card: str):
@@ -188,11 +180,7 @@ def read_febio(card: str):
     if kind == "Ogden unconstrained":
         assert values["cp"] == 0.0
         return foam(
-            [
-                (values[f"c{k}"] / values[f"m{k}"] ** 2, values[f"m{k}"], 0.0)
-                for k in range(1, 7)
-                if f"c{k}" in values
-            ]
+            [(values[f"c{k}"] / values[f"m{k}"] ** 2, values[f"m{k}"], 0.0) for k in range(1, 7) if f"c{k}" in values]
         )
     assert values["k"] > 0.0
     if kind == "Mooney-Rivlin":
@@ -201,11 +189,7 @@ def read_febio(card: str):
         return polynomial({(k, 0): values[f"c{k}"] for k in range(1, 7) if f"c{k}" in values})
     if kind == "Ogden":
         return powers(
-            [
-                (values[f"c{k}"] / values[f"m{k}"] ** 2, values[f"m{k}"])
-                for k in range(1, 7)
-                if f"c{k}" in values
-            ]
+            [(values[f"c{k}"] / values[f"m{k}"] ** 2, values[f"m{k}"]) for k in range(1, 7) if f"c{k}" in values]
         )
     assert kind == "Gent"
     return gent(values["G"], values["Jm"])
@@ -220,9 +204,7 @@ def test_card_read_by_the_solver_s_convention_gives_the_same_stress(solver: str,
     card = formats()[solver].card(material, Settings(comments=("of -- a --- test",)))
     expected = material.membrane(L1, L2).P1
     if "MARLOW" in card:
-        rows = np.array(
-            [[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()]
-        )
+        rows = np.array([[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()])
         # Marlow's law knows one curve: the uniaxial one, which fixes a law of I1.
         np.testing.assert_allclose(material.uniaxial(1 + rows[:, 1]).P, rows[:, 0], rtol=1e-14, atol=1e-16)
         assert (np.diff(rows[:, 1]) > 0).all()
@@ -326,9 +308,7 @@ def test_a_curve_stays_within_the_law_s_limit_and_follows_it(name: str, share: f
     limit = share if name == "gent" else (1.0 + share / 3.0) ** 0.5
     material = bind(name, dict(zip(laws()[name].names, (0.3, limit), strict=True)))
     card = formats()["abaqus"].card(material, Settings())
-    rows = np.array(
-        [[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()]
-    )
+    rows = np.array([[float(v) for v in line.split(",")] for line in card.split("TEST DATA\n")[1].splitlines()])
     assert np.isfinite(rows).all()
     assert (np.diff(rows, axis=0) > 0.0).all()
     strain = 0.5 * (rows[1:, 1] + rows[:-1, 1])

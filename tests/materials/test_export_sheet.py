@@ -105,9 +105,7 @@ def test_a_card_carries_what_the_sheet_carries(name: str, constants: dict[str, f
         one, two, _ = held(law, 0.0, np.array([first]), np.array([second]))
         for k, expected in enumerate((one[0], two[0])):
             step = 1e-5 * np.eye(2)[k]
-            ends = [
-                energy(tensor(0.0, *(np.array([first, second]) + sign * step), 0.0)) for sign in (1.0, -1.0)
-            ]
+            ends = [energy(tensor(0.0, *(np.array([first, second]) + sign * step), 0.0)) for sign in (1.0, -1.0)]
             assert (ends[0] - ends[1]) / 2e-5 == pytest.approx(expected, rel=1e-7)
 
 

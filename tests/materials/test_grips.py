@@ -121,9 +121,7 @@ def test_a_laminate_pulled_along_across_and_at_45_degrees_tells_the_other_angles
     def file(angle: int) -> str:
         return str(data_dir / "nylon-laminate" / f"uniaxial-{angle}.csv")
 
-    run = hf(
-        "fit", file(0), file(45), file(90), "--model", "orthotropic", "-o", "-", cwd=tmp_path, timeout=600
-    )
+    run = hf("fit", file(0), file(45), file(90), "--model", "orthotropic", "-o", "-", cwd=tmp_path, timeout=600)
     assert run.returncode == 0, run.stderr.decode()
     document = json.loads(run.stdout)
     assert any("held in their grips" in line for line in document["preparation"])

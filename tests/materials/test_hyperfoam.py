@@ -20,10 +20,7 @@ def energy(law: Hyperfoam, l1: float, l2: float, l3: float) -> float:
     """The energy as the source writes it."""
     J = l1 * l2 * l3
     return sum(
-        2.0
-        * mu
-        / a**2
-        * (l1**a + l2**a + l3**a - 3.0 + (J ** (-a * nu / (1 - 2 * nu)) - 1.0) * (1 - 2 * nu) / nu)
+        2.0 * mu / a**2 * (l1**a + l2**a + l3**a - 3.0 + (J ** (-a * nu / (1 - 2 * nu)) - 1.0) * (1 - 2 * nu) / nu)
         for mu, a, nu in zip(law.mu, law.alpha, law.nu, strict=True)
     )
 
@@ -106,8 +103,7 @@ def test_stable_is_where_every_small_change_needs_work() -> None:
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     h = 1e-4
     work = [
-        min(float(d @ (law.first(at + h * d)[0] - law.first(at - h * d)[0])) for d in directions)
-        for at in e[:, None]
+        min(float(d @ (law.first(at + h * d)[0] - law.first(at - h * d)[0])) for d in directions) for at in e[:, None]
     ]
     assert law.stable(e).tolist() == [one > 0.0 for one in work] == [True, False, True]
 
@@ -119,15 +115,11 @@ def readings_of(law: Hyperfoam) -> list[TestCurve]:
         stress = law.stress(test, stretch)
         weight = np.full(40, 1.0 / np.abs(stress).max())
         lateral = law.lateral(test, stretch) if test == "uniaxial" else None
-        found.append(
-            TestCurve(test, stretch, stress, weight, stretch2=lateral, weight2=np.ones_like(stretch))
-        )
+        found.append(TestCurve(test, stretch, stress, weight, stretch2=lateral, weight2=np.ones_like(stretch)))
     return found
 
 
-@pytest.mark.parametrize(
-    "terms", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("terms", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_own_constants_come_back(terms: int) -> None:
     law = Hyperfoam((0.1, 0.02, 0.05)[:terms], (15.0, 8.0, -2.0)[:terms], (0.1, 0.2, 0.3)[:terms])
     found = identify(readings_of(law), terms)
@@ -142,9 +134,7 @@ def test_stresses_alone_are_found_beside_known_exponents() -> None:
     assert (found.alpha, found.nu) == (law.alpha, law.nu)
 
 
-@pytest.mark.parametrize(
-    ("toe", "dense", "slope", "width"), [(0.04, 0.5, 0.08, 0.05), (0.05, 0.5, 0.12, 0.05)]
-)
+@pytest.mark.parametrize(("toe", "dense", "slope", "width"), [(0.04, 0.5, 0.08, 0.05), (0.05, 0.5, 0.12, 0.05)])
 def test_a_foam_with_a_soft_toe_has_a_state_of_rest(toe, dense, slope, width):
     """Two terms had a negative bulk modulus there, where no reading stands, or a ratio at the end of its range."""
     stretch = np.linspace(0.4, 0.99, 30)

@@ -53,9 +53,7 @@ def treloar(folder: Path) -> list[TestCurve]:
     """The 53 points, each weighed by its own stress."""
     curves = []
     for mode in MODES:
-        table = np.genfromtxt(
-            folder / "treloar-1944" / f"{mode}.csv", delimiter=",", comments="#", skip_header=3
-        )
+        table = np.genfromtxt(folder / "treloar-1944" / f"{mode}.csv", delimiter=",", comments="#", skip_header=3)
         curves.append(TestCurve(mode, table[:, 0], table[:, 1], 1.0 / table[:, 1]))
     return curves
 
@@ -75,18 +73,14 @@ def fitted(name: str, curves: list[TestCurve]) -> Fit:
 
 @pytest.mark.parametrize("case", [0, 1], ids=["case-A", "case-B"])
 @pytest.mark.parametrize("name", OPTIMUM)
-def test_the_global_optimum_is_found_without_a_start_value(
-    name: str, case: int, curves: list[TestCurve]
-) -> None:
+def test_the_global_optimum_is_found_without_a_start_value(name: str, case: int, curves: list[TestCurve]) -> None:
     found = fitted(name, curves[:1] if case == 0 else curves)
     assert found.sse == pytest.approx(OPTIMUM[name][case], rel=1e-4)
 
 
 @pytest.mark.parametrize("case", [0, 1], ids=["case-A", "case-B"])
 @pytest.mark.parametrize("name", ROUNDED)
-def test_the_optimum_of_the_richer_laws_is_no_worse_than_known(
-    name: str, case: int, curves: list[TestCurve]
-) -> None:
+def test_the_optimum_of_the_richer_laws_is_no_worse_than_known(name: str, case: int, curves: list[TestCurve]) -> None:
     found = fitted(name, curves[:1] if case == 0 else curves)
     assert found.sse < ROUNDED[name][case] + 0.6e-5
 
@@ -116,9 +110,7 @@ def test_constants_do_not_depend_on_the_order_of_rows_or_tests(curves: list[Test
     for name in ("yeoh-3", "gent-gent", "ogden-2"):
         one, two = fitted(name, curves).material.parameters, fitted(name, turned).material.parameters
         # ogden-2 leaves alpha2 undetermined by a factor of nine: rounding moves it in proportion.
-        assert list(two.values()) == pytest.approx(
-            list(one.values()), rel=1e-9 if name == "ogden-2" else 1e-12
-        )
+        assert list(two.values()) == pytest.approx(list(one.values()), rel=1e-9 if name == "ogden-2" else 1e-12)
 
 
 @pytest.mark.parametrize(
@@ -131,9 +123,7 @@ def test_constants_do_not_depend_on_the_order_of_rows_or_tests(curves: list[Test
         ("mooney-rivlin-9", 1, {"biaxial": 4.08}),
     ],
 )
-def test_the_first_unstable_stretch(
-    name: str, case: int, first: dict[str, float], curves: list[TestCurve]
-) -> None:
+def test_the_first_unstable_stretch(name: str, case: int, first: dict[str, float], curves: list[TestCurve]) -> None:
     ranges = stable_ranges(fitted(name, curves[:1] if case == 0 else curves).material)
     for mode, stretch in first.items():
         # Known to two decimals; the ends are found on a finer grid than the data.
@@ -253,9 +243,7 @@ def test_no_power_is_so_near_to_zero_that_its_constant_means_nothing(order: int)
     """In planar tension alone the power of a curve that saturates goes to zero, and mu with it beyond all bounds."""
     lam = np.linspace(1.0, 2.5, 12)[1:]
     stress = (lam - 1.0) * np.exp(-2.0 * (lam - 1.0))
-    found = fit_law(
-        Problem(laws()[f"ogden-{order}"], Rows.of([TestCurve("shear", lam, stress, 1.0 / stress)]))
-    )
+    found = fit_law(Problem(laws()[f"ogden-{order}"], Rows.of([TestCurve("shear", lam, stress, 1.0 / stress)])))
     assert found is not None
     powers = list(zip(found.material.c, found.material.theta, strict=True))
     assert all(abs(mu) < 1e3 for mu, _ in powers)
@@ -272,25 +260,19 @@ def test_the_narrow_valley_of_the_extended_tube_is_found() -> None:
     """About 2 delta^2 = 1 the chains' stiffness at rest changes its sign: what fits a curve that begins slack."""
     lam = np.linspace(1.0, 1.6, 16)[1:]
     stress = 0.01 * np.expm1(12.0 * (lam - 1.0))
-    found = fit_law(
-        Problem(laws()["extended-tube"], Rows.of([TestCurve("uniaxial", lam, stress, 1.0 / stress)]))
-    )
+    found = fit_law(Problem(laws()["extended-tube"], Rows.of([TestCurve("uniaxial", lam, stress, 1.0 / stress)])))
     assert found is not None
     # By differential evolution on the law's stresses written out: Gc 14.57, Ge 2.03 MPa, delta 0.753.
     gc, ge, d, beta = 14.57124, 2.032059, 0.7526612**2, 1e-3
     x = lam**2 + 2.0 / lam - 3.0
     slope = 0.5 * gc * ((1.0 - d) / (1.0 - d * x) ** 2 - d / (1.0 - d * x))
-    known = 2.0 * slope * (lam - lam**-2) - 2.0 * ge / beta * (
-        lam ** (-beta - 1.0) - lam ** (0.5 * beta - 1.0)
-    )
+    known = 2.0 * slope * (lam - lam**-2) - 2.0 * ge / beta * (lam ** (-beta - 1.0) - lam ** (0.5 * beta - 1.0))
     assert found.sse <= 1.001 * float(np.sum((1.0 - known / stress) ** 2))
 
 
 def test_long_tests_give_the_constants_of_all_their_rows() -> None:
     lam = np.linspace(1.01, 4.0, 3000)
-    stress = (
-        0.4 * (lam - lam**-2) * (1.0 + 0.01 * np.sin(40.0 * lam)) / (1.0 - (lam**2 + 2.0 / lam - 3.0) / 40.0)
-    )
+    stress = 0.4 * (lam - lam**-2) * (1.0 + 0.01 * np.sin(40.0 * lam)) / (1.0 - (lam**2 + 2.0 / lam - 3.0) / 40.0)
     long = fit_law(Problem(laws()["gent"], Rows.of([TestCurve("uniaxial", lam, stress, 1.0 / stress)])))
     assert long is not None
     # At the optimum of all rows the derivative by each constant is zero.

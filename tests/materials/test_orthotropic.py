@@ -105,9 +105,7 @@ def test_the_law_moves_evenly_with_each_constant(name, weft):
         for angle in (0.0, 30.0, 45.0, 90.0):
             own = strip(law, angle, LAM).stress
             assert np.abs(strip(moved, angle, LAM).stress / own - 1.0).max() < 3e-3
-            for one, other in zip(
-                held(moved, angle, LAM, LAM)[:2], held(law, angle, LAM, LAM)[:2], strict=True
-            ):
+            for one, other in zip(held(moved, angle, LAM, LAM)[:2], held(law, angle, LAM, LAM)[:2], strict=True):
                 assert np.abs(one / other - 1.0).max() < 3e-3
 
 
@@ -233,9 +231,7 @@ def test_a_laminate_cut_at_two_slanted_angles_tells_the_others(data_dir, slanted
 
 def test_strips_on_both_sides_of_45_degrees_tell_warp_and_weft():
     """Without one along them: what a strip at 30 and one at 60 degrees say is not taken for a sheet alike both ways."""
-    law = Orthotropic.of(
-        {"C10_MPa": 0.05, "k1_warp_MPa": 0.2, "k2_warp": 0.1, "k1_weft_MPa": 0.05, "k2_weft": 0.1}
-    )
+    law = Orthotropic.of({"C10_MPa": 0.05, "k1_warp_MPa": 0.2, "k2_warp": 0.1, "k1_weft_MPa": 0.05, "k2_weft": 0.1})
     found = identify([_pulls(law, 30.0), _pulls(law, 60.0)])
     assert {"k1_warp_MPa", "k1_weft_MPa"} <= set(found.sought)
     assert "G_MPa" in {one.name for one in found.unknown}
@@ -254,9 +250,7 @@ def test_biaxial_tests_at_several_ratios_tell_the_contraction_and_the_second_inv
             along, across, _ = held(law, 0.0, first, second)
             peak = np.maximum(along, across)
             tests.append(
-                TestCurve(
-                    "biaxial-general", first, along, 1.0 / peak, second, across, 1.0 / peak, direction=0.0
-                )
+                TestCurve("biaxial-general", first, along, 1.0 / peak, second, across, 1.0 / peak, direction=0.0)
             )
     sought, unknown = sought_by(tests)
     assert {"nu", "C2_MPa"} <= set(sought)

@@ -82,6 +82,4 @@ def test_softening_a_document_knows_is_read_off_its_stiffness(name: str) -> None
     plain = constants(name)
     document = MaterialDocument(model=name, parameters=plain)
     soften(document, [0.01], 20.0, [20.0, 60.0], "exponential")
-    np.testing.assert_allclose(
-        _known(document, np.array([20.0, 60.0]), 20.0), [1.0, np.exp(-0.4)], rtol=1e-12
-    )
+    np.testing.assert_allclose(_known(document, np.array([20.0, 60.0]), 20.0), [1.0, np.exp(-0.4)], rtol=1e-12)

@@ -55,9 +55,7 @@ def test_what_is_stated_of_readings_is_carried_to_the_constants() -> None:
     [curve] = neo_hookean(GAINS[:1])
     slopes = 2.0 * (curve.stretch - curve.stretch**-2)
     sd = np.linspace(0.001, 0.004, len(slopes))
-    weighed = identify(
-        law("neo-hookean"), [replace(curve, stress_sd=sd)], Setting(("uniaxial",), False, False, 1.0)
-    )
+    weighed = identify(law("neo-hookean"), [replace(curve, stress_sd=sd)], Setting(("uniaxial",), False, False, 1.0))
     noisy = identify(law("neo-hookean"), [curve], Setting(("uniaxial",), False, False, 1.0, noise=0.002))
     for found, each in ((weighed, sd), (noisy, 0.002)):
         assert isinstance(found, Identified)
@@ -67,9 +65,7 @@ def test_what_is_stated_of_readings_is_carried_to_the_constants() -> None:
         assert sure.covariance[0][0] == pytest.approx(1.0 / np.sum((slopes / each) ** 2), rel=1e-9)
         assert found.certainty.sd[0] ** 2 == pytest.approx(sure.covariance[0][0], rel=1e-12)
     # Where specimens scatter that counts, whatever is stated of their readings.
-    several = identify(
-        law("neo-hookean"), neo_hookean(GAINS), Setting(("uniaxial",), False, False, 1.0, noise=0.002)
-    )
+    several = identify(law("neo-hookean"), neo_hookean(GAINS), Setting(("uniaxial",), False, False, 1.0, noise=0.002))
     assert isinstance(several, Identified)
     assert uncertainty(several.certainty, several.specimens).source == "specimens"
 
@@ -79,9 +75,7 @@ def test_each_temperature_has_the_scatter_of_its_own_specimens() -> None:
     for sure, gains in zip(found.certainties, (GAINS, GAINS[:3] ** 4), strict=True):
         assert sure.scatter is not None
         assert sure.scatter.specimens == len(gains)
-        assert sure.scatter.covariance[0, 0] == pytest.approx(
-            np.var(0.1 * gains, ddof=1) / len(gains), rel=1e-9
-        )
+        assert sure.scatter.covariance[0, 0] == pytest.approx(np.var(0.1 * gains, ddof=1) / len(gains), rel=1e-9)
 
 
 #: Of a sheet: what each of its specimens is stiffer than the mean.
@@ -149,9 +143,7 @@ def test_what_the_law_misses_in_all_specimens_is_no_scatter() -> None:
     """The same wrong law on the same curve three times: nothing scatters."""
     lam = np.linspace(1.05, 1.8, 20)
     same = [
-        TestCurve(
-            mode="uniaxial", source="a.csv", specimen=str(k), stretch=lam, stress=0.1 * (lam - 1.0) ** 2
-        )
+        TestCurve(mode="uniaxial", source="a.csv", specimen=str(k), stretch=lam, stress=0.1 * (lam - 1.0) ** 2)
         for k in range(3)
     ]
     scatter = fitted(same).certainty.scatter
@@ -170,9 +162,7 @@ def test_intervals_cover(name: str, tests: int) -> None:
 
 @pytest.mark.slow
 def test_the_document_says_what_its_deviations_are_known_from(hf: Run, root: Path) -> None:
-    files = [
-        word for way in ("warp", "weft") for word in ("--uniaxial", root / f"specimens/lycra/{way}-23C.csv")
-    ]
+    files = [word for way in ("warp", "weft") for word in ("--uniaxial", root / f"specimens/lycra/{way}-23C.csv")]
     found = json.loads(hf("fit", *files, "--model", "yeoh-3").stdout)
     for way in ("warp", "weft"):
         figures = found["directions"][way]["fit"]

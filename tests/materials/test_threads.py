@@ -54,9 +54,7 @@ def test_a_little_pull_meets_the_compliance_of_an_orthotropic_sheet(angle: float
     c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     modulus = 1.0 / (S[0, 0] * c**4 + (2.0 * S[0, 1] + S[2, 2]) * s**2 * c**2 + S[1, 1] * s**4)
     problem = posed(cut([angle], reach=1e-3, rows=3))
-    found = Threads(problem.fabric.path).answer(
-        CONSTANTS, problem.fabric.path.stretch, problem.fabric.path.across
-    )[0]
+    found = Threads(problem.fabric.path).answer(CONSTANTS, problem.fabric.path.stretch, problem.fabric.path.across)[0]
     # Threads bear tension alone: a way that is not pulled answers by the ground.
     pulled = np.linalg.solve(stiffness, [c * c, s * s, s * c])[:2] > 0.0
     if not pulled.all():

@@ -59,9 +59,7 @@ def pressed_disc(
         angle, force, stored = inner
         push = force * np.sin(angle)
         begin = [radius * np.sin(angle), radius * np.cos(angle) - radius, force * np.cos(angle), stored]
-        outer = solve_ivp(free, (edge, rim), begin, args=(push,), method="DOP853", rtol=1e-11, atol=1e-13).y[
-            :, -1
-        ]
+        outer = solve_ivp(free, (edge, rim), begin, args=(push,), method="DOP853", rtol=1e-11, atol=1e-13).y[:, -1]
         r, z, flat, stored = outer
         return r, z, flat / rim, 2 * np.pi * push, 2 * np.pi * stored
 

@@ -21,9 +21,7 @@ def left(mesh, along, across, uneven):
     beyond = np.hypot(x, y) - ellipse(angle, along, across)
     steep = 1.0 + (uneven - 1.0) * np.sin(angle) ** 2
     gap = (steep * np.maximum(beyond, 0.0)) ** 2 * (1.0 + 0.02 * beyond)
-    sheet = SimpleNamespace(
-        mesh=mesh, reach=50.0, pattern=SimpleNamespace(free=mesh.nodes[:, [0] * 3] < np.inf)
-    )
+    sheet = SimpleNamespace(mesh=mesh, reach=50.0, pattern=SimpleNamespace(free=mesh.nodes[:, [0] * 3] < np.inf))
     near = SimpleNamespace(gap=gap, facet=None)
     press = SimpleNamespace(sheet=sheet, punch=SimpleNamespace(near=lambda places, depth: near))
     return press, SimpleNamespace(touching=beyond <= 0.0, force=1.0, places=mesh.nodes, depth=1.0)

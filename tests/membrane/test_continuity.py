@@ -75,9 +75,7 @@ def _figures(which: str, name: str, factor: float) -> dict[str, float]:
     }
 
 
-CASES = [
-    (which, name) for which, (constants, _) in SHEETS.items() for name in constants if constants[name] != 0.0
-]
+CASES = [(which, name) for which, (constants, _) in SHEETS.items() for name in constants if constants[name] != 0.0]
 
 
 @pytest.mark.slow

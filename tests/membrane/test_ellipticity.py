@@ -27,9 +27,7 @@ STIFF = {
 
 def _strain(one, two, angle=0.0):
     c, s = np.cos(angle), np.sin(angle)
-    return np.array(
-        [[c * c * one**2 + s * s * two**2, s * s * one**2 + c * c * two**2, c * s * (one**2 - two**2)]]
-    )
+    return np.array([[c * c * one**2 + s * s * two**2, s * s * one**2 + c * c * two**2, c * s * (one**2 - two**2)]])
 
 
 @pytest.mark.parametrize(("one", "two"), [(1.0001, 1.0001), (1.3, 0.95), (2.0, 1.5)])

@@ -80,9 +80,7 @@ def _arrays(punch):
 def test_friction_acts_on_facets_as_on_the_sphere():
     depths = list(np.linspace(4.0, 40.0, 10))
     on_facets = rough_path(_test(_ball(5), friction=Coulomb(0.3)), depths)[1].states[-1]
-    on_sphere = rough_path(SphereTest(outline.Disc(100.0), LAW, 1.0, 40.0, friction=Coulomb(0.3)), depths)[
-        1
-    ].states[-1]
+    on_sphere = rough_path(SphereTest(outline.Disc(100.0), LAW, 1.0, 40.0, friction=Coulomb(0.3)), depths)[1].states[-1]
     assert on_facets.force == pytest.approx(on_sphere.force, rel=3e-3)
 
 

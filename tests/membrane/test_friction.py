@@ -119,9 +119,7 @@ def test_a_node_sticks_up_to_the_coefficient_times_the_normal_force_and_no_furth
     assert rubbing.sticking.tolist() == [True, False, True, False]
     # It goes the way it is pulled: friction points against that.
     np.testing.assert_allclose(rubbing.ways[1], [0.0, -1.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(
-        rubbing.ways[3], np.array([0.481, -0.361, 0.0]) / np.hypot(0.481, 0.361), atol=1e-12
-    )
+    np.testing.assert_allclose(rubbing.ways[3], np.array([0.481, -0.361, 0.0]) / np.hypot(0.481, 0.361), atol=1e-12)
     assert not rubbing.settled
     # Without pressure nothing holds.
     loose = _rubbing(0.3, [True])
@@ -148,9 +146,7 @@ def _in_the_cone(press, state):
     return part.max() < 1 + 1e-8 and part[~state.memory.sticking[nodes]].min(initial=1.0) > 0.994
 
 
-@pytest.mark.parametrize(
-    ("prestretch", "coefficient"), [pytest.param(1.02, 1.0, marks=pytest.mark.slow), (1.2, 0.3)]
-)
+@pytest.mark.parametrize(("prestretch", "coefficient"), [pytest.param(1.02, 1.0, marks=pytest.mark.slow), (1.2, 0.3)])
 def test_small_patches_where_some_nodes_stick_and_some_slip_are_followed(prestretch, coefficient):
     """A taut sheet hardly slips on its first way: Newton's method alone ended at 2.8 mm and at 5.3 mm."""
     forces = []

@@ -39,8 +39,7 @@ def test_what_has_not_touched_yet_lands_on_the_punch():
 def test_a_turning_point_is_expected_where_the_speed_would_be_without_bounds():
     """The speed grows as one over the root of the depth that is left: from 50 and 55 mm, 5 mm before 60."""
     footings = [
-        SimpleNamespace(state=SimpleNamespace(depth=depth), speed=2.0 / np.sqrt(60.0 - depth))
-        for depth in (50.0, 55.0)
+        SimpleNamespace(state=SimpleNamespace(depth=depth), speed=2.0 / np.sqrt(60.0 - depth)) for depth in (50.0, 55.0)
     ]
     assert _turning_ahead(footings) == pytest.approx(5.0, rel=1e-12)
     assert _turning_ahead(footings[:1]) is None

@@ -35,9 +35,7 @@ def test_a_square_of_points_is_meshed_as_the_square_bit_for_bit(quarter):
     if quarter:
         assert first.points.tobytes() == other.points.tobytes()
         assert first.triangles.tobytes() == other.triangles.tobytes()
-    assert sheet_mesh(Polygon(SQUARE, quarter), first).weights.sum() == pytest.approx(
-        4e4 / (4 if quarter else 1)
-    )
+    assert sheet_mesh(Polygon(SQUARE, quarter), first).weights.sum() == pytest.approx(4e4 / (4 if quarter else 1))
 
 
 @pytest.mark.parametrize(

@@ -152,9 +152,7 @@ def test_square_sheet(depth):
 def test_prestretched_sheet():
     solved = _press("neo-hookean", [30.0, 60.0], prestretch=1.05).solved[-1]
     assert solved.state.force == pytest.approx(48.8658267, rel=2e-4)
-    assert fields(solved.press.sheet, solved.state.places).stretch[0].mean() == pytest.approx(
-        1.3825140, rel=1e-3
-    )
+    assert fields(solved.press.sheet, solved.state.places).stretch[0].mean() == pytest.approx(1.3825140, rel=1e-3)
     assert contact_edge(solved.press, solved.state).mean == pytest.approx(26.85389, abs=0.4)
 
 
@@ -210,13 +208,9 @@ def test_newtons_method_takes_whole_steps_once_the_touching_nodes_are_known():
 
 
 @pytest.mark.parametrize(("length", "width"), [(0.02, 0.02), (40.0, 0.02)])
-def test_where_next_to_no_area_touches_elements_are_no_smaller_than_the_length_of_the_edge_asks_for(
-    length, width
-):
+def test_where_next_to_no_area_touches_elements_are_no_smaller_than_the_length_of_the_edge_asks_for(length, width):
     """A tip: an 80th of the mesh size. A ridge: a 60th of its length."""
-    test = SphereTest(
-        outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN)), 1.0, 40.0
-    )
+    test = SphereTest(outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN)), 1.0, 40.0)
     angle = np.linspace(0.0, 0.5 * np.pi, 400)
     points = 0.5 * np.column_stack([length * np.cos(angle), width * np.sin(angle)])
     front = ContactFront(points, points, np.ones(len(points), bool), 0.25 * np.pi * length * width)
@@ -229,9 +223,7 @@ def test_where_next_to_no_area_touches_elements_are_no_smaller_than_the_length_o
 def test_scaled_constants_scale_force_and_difference():
     """Twice the stiffness: twice the force, and stresses that differ by 100 %."""
     tests = [
-        SphereTest(
-            outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", {"C10_MPa": c})), 1.0, 40.0
-        )
+        SphereTest(outline.Disc(100.0, quarter=True), IsotropicSheet(bind("neo-hookean", {"C10_MPa": c})), 1.0, 40.0)
         for c in (0.2, 0.4)
     ]
     first, second = (outcome.solved[-1] for outcome in run(tests, [50.0], 1e-4))
@@ -256,8 +248,7 @@ def test_quarter_is_the_whole():
 @pytest.mark.parametrize("depth", [20.0, 40.0, 60.0, 80.0])
 def test_accuracy_does_not_hang_on_a_lucky_mesh(depth):
     errors = [
-        _press("neo-hookean", [depth], seed=seed, jitter=0.15).solved[-1].state.force
-        / DISC["neo-hookean", depth].force
+        _press("neo-hookean", [depth], seed=seed, jitter=0.15).solved[-1].state.force / DISC["neo-hookean", depth].force
         - 1.0
         for seed in range(1, 7)
     ]

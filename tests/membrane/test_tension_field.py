@@ -136,9 +136,7 @@ def test_cauchy_stress_of_threads_is_that_of_the_law_along_them():
 @pytest.mark.parametrize("direction", ["warp", "weft"])
 def test_a_law_moves_evenly_where_warp_and_weft_cross(direction):
     """A tenth of a percent in a constant moves stress and energy by little more, also where the stiffer changes."""
-    stretches = np.concatenate(
-        [_tensor(1.6, 1.3, 0.4), _tensor(1.4, 1.4), _tensor(1.7, 0.8, 0.9), _tensor(1.9, 1.2)]
-    )
+    stretches = np.concatenate([_tensor(1.6, 1.3, 0.4), _tensor(1.4, 1.4), _tensor(1.7, 0.8, 0.9), _tensor(1.9, 1.2)])
     other = bind("yeoh-2", {"C10_MPa": 0.05, "C20_MPa": 0.06})
 
     def answer(constant):

@@ -12,9 +12,7 @@ from hyperfab.numerics.multilevel import Direct, conjugate_gradients
 
 def cube(nodes: int, ratio: float) -> sparse.csr_matrix:
     """Mass and ``ratio`` times stiffness of trilinear elements of edge 1, insulated."""
-    ends = sparse.diags(
-        [[-1.0] * (nodes - 1), [1.0, *[2.0] * (nodes - 2), 1.0], [-1.0] * (nodes - 1)], [-1, 0, 1]
-    )
+    ends = sparse.diags([[-1.0] * (nodes - 1), [1.0, *[2.0] * (nodes - 2), 1.0], [-1.0] * (nodes - 1)], [-1, 0, 1])
     mass = sparse.diags(
         [[1 / 6] * (nodes - 1), [1 / 3, *[2 / 3] * (nodes - 2), 1 / 3], [1 / 6] * (nodes - 1)], [-1, 0, 1]
     )

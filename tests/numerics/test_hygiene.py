@@ -132,9 +132,7 @@ def test_a_stress_before_the_pull_is_told() -> None:
 def test_loading_unloading_and_cycles_are_told_with_their_distance() -> None:
     up = np.linspace(0.0, 0.5, 50)
     way = np.concatenate([up, up[::-1], up, up[::-1], up, up[::-1]])
-    stress = np.concatenate(
-        [f * (up if k % 2 == 0 else up[::-1]) for k, f in enumerate((1, 0.7, 0.9, 0.7, 0.85, 0.7))]
-    )
+    stress = np.concatenate([f * (up if k % 2 == 0 else up[::-1]) for k, f in enumerate((1, 0.7, 0.9, 0.7, 0.85, 0.7))])
     found = {doubt.kind: doubt for doubt in look(1.0 + way, stress)}
     assert set(found) == {"unloading", "cycles"}
     assert found["cycles"].size == pytest.approx(0.075, rel=0.1)  # 15 % of a line's mean, half its peak

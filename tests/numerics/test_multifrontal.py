@@ -56,13 +56,9 @@ def test_every_unknown_is_eliminated_once_and_children_before_parents():
     parent[found.children[inner]] = np.flatnonzero(inner)[:, None]
     ties = np.array([set(), *map(set, _tied(pattern, found.order))], dtype=object)[1:]
     for front, (begin, end) in enumerate(itertools.pairwise(found.firsts)):
-        rest, above = (
-            values[slice(*found.rest_starts[front : front + 2])] for values in (found.rest, found.above)
-        )
+        rest, above = (values[slice(*found.rest_starts[front : front + 2])] for values in (found.rest, found.above))
         below = [
-            found.rest[slice(*found.rest_starts[child : child + 2])]
-            for child in found.children[front]
-            if inner[front]
+            found.rest[slice(*found.rest_starts[child : child + 2])] for child in found.children[front] if inner[front]
         ]
         wanted = set().union(*ties[begin:end], *map(set, below))
         assert {number for number in wanted if number >= end} <= set(rest)

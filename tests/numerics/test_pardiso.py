@@ -27,18 +27,14 @@ def test_solves_as_superlu_does_and_keeps_its_analysis():
     for seed in range(3):
         factor = solver.factorise(_matrix(seed), symmetric=False)
         assert factor.name == "PARDISO"
-        np.testing.assert_allclose(
-            factor.solve(right), SuperLUFactor(_matrix(seed)).solve(right), rtol=1e-9, atol=1e-9
-        )
+        np.testing.assert_allclose(factor.solve(right), SuperLUFactor(_matrix(seed)).solve(right), rtol=1e-9, atol=1e-9)
 
 
 def test_another_pattern_is_analysed_anew():
     solver = DirectSolver()
     solver.factorise(_matrix(), symmetric=False)
     small = sparse.csc_matrix([[2.0, 1.0], [-1.0, 2.0]])
-    np.testing.assert_allclose(
-        solver.factorise(small, symmetric=False).solve(np.array([3.0, 1.0])), [1.0, 1.0]
-    )
+    np.testing.assert_allclose(solver.factorise(small, symmetric=False).solve(np.array([3.0, 1.0])), [1.0, 1.0])
 
 
 def test_an_old_factor_does_not_answer():

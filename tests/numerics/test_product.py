@@ -35,9 +35,7 @@ def test_a_product_is_right_to_rounding_with_the_same_bits_on_all_cores(
 
 @pytest.mark.parametrize("threads", [1, 3])
 @pytest.mark.parametrize("entries", [37, 10**6])
-def test_what_is_made_of_a_product_in_its_pass(
-    monkeypatch: pytest.MonkeyPatch, threads: int, entries: int
-) -> None:
+def test_what_is_made_of_a_product_in_its_pass(monkeypatch: pytest.MonkeyPatch, threads: int, entries: int) -> None:
     a = rough_matrix(180, 180)
     rng = np.random.default_rng(5)
     x, right, weights, change = rng.standard_normal((4, 180))

@@ -24,9 +24,7 @@ def test_each_piece_has_its_place(most: str, monkeypatch: pytest.MonkeyPatch) ->
 
 
 @pytest.mark.parametrize("last", ["asking", "serving"])
-def test_the_last_piece_gets_the_threads_of_those_that_ended(
-    last: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_last_piece_gets_the_threads_of_those_that_ended(last: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Wherever it is done: the thread that asked for the work waits meanwhile, or serves it."""
     monkeypatch.setenv(LIMIT, "2")
     both, asking = Barrier(2, timeout=30.0), get_ident()

@@ -42,9 +42,7 @@ def plate(a, b, cells_x, cells_y, height=0.0, slope=0.0):
     x, y = np.linspace(-a / 2, a / 2, cells_x + 1), np.linspace(-b / 2, b / 2, cells_y + 1)
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
     number = np.arange(len(grid)).reshape(cells_x + 1, cells_y + 1)
-    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(
-        -1, 4
-    )
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
     points = np.column_stack([grid, height + slope * grid[:, 0]])
     return points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 

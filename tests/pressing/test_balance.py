@@ -75,6 +75,4 @@ def test_a_right_force_with_a_moment_that_nothing_lowers_is_no_balance(shapes, m
     for left in ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]):
         monkeypatch.setattr("hyperfab.pressing.balance._residual", lambda *_, left=left: 5.0 * np.array(left))
         with pytest.raises(NotConverged):
-            balance(
-                press, Pose(press.opening_for(2.0), (0.0, 0.0), (0.0, 0.0, FOAM)), 2.0, None, floating=True
-            )
+            balance(press, Pose(press.opening_for(2.0), (0.0, 0.0), (0.0, 0.0, FOAM)), 2.0, None, floating=True)

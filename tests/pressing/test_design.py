@@ -95,9 +95,7 @@ def test_levers_are_the_derivatives_of_the_gap(shapes):
 def test_a_mounting_face_moves_the_gap_by_the_strain_of_its_mold(shapes):
     """Higher by 1 mm at a strain of 0.2 %: all of the mold stands 2 um nearer to the face it is mounted on."""
     flat = np.array([[0.0, 0.0, -1.0]])
-    tool = Tooling(
-        np.zeros((1, 3)), np.ones(1), flat, np.ones(1), 0, *np.zeros((3, 3)), 2e-5, 1e-5, 2e-3, 1e-3
-    )
+    tool = Tooling(np.zeros((1, 3)), np.ones(1), flat, np.ones(1), 0, *np.zeros((3, 3)), 2e-5, 1e-5, 2e-3, 1e-3)
     found = {lever.name: lever for lever in levers(tool)}
     assert found["height of the male's mounting face"].at_closest == pytest.approx(2e-3)
     assert found["height of the female's mounting face"].at_closest == pytest.approx(-1e-3)

@@ -89,9 +89,7 @@ def test_gap_in_a_wedge(shapes, angle):
     front = molding_front(male, female)
     distance = 80.0 / np.tan(theta) + front.vertices[:, 0]
     assert nearest_gap(front.vertices, female).nearest == pytest.approx(distance * np.sin(theta), abs=1e-9)
-    assert normal_gap(front.vertices, front.normals, female) == pytest.approx(
-        distance * np.tan(theta), abs=1e-9
-    )
+    assert normal_gap(front.vertices, front.normals, female) == pytest.approx(distance * np.tan(theta), abs=1e-9)
 
 
 def test_uniform_growth_of_nested_spheres(shapes):

@@ -74,18 +74,14 @@ def test_stiff_fabric_is_rigid_fabric_in_the_limit(sandwich):
 def test_layers_of_a_stack_yield_by_their_share():
     stack = together([(0.4, KNIT), (0.8, foam_law.linear(0.02)), (0.8, None)])
     stress = np.array([0.0005, 0.003, 0.006, 0.015])
-    strain = (
-        0.4 * np.interp(stress, [0.0, 0.001, 0.006, 0.05], [0.0, 0.1, 0.3, 0.5]) + 0.8 * stress / 0.02
-    ) / 2.0
+    strain = (0.4 * np.interp(stress, [0.0, 0.001, 0.006, 0.05], [0.0, 0.1, 0.3, 0.5]) + 0.8 * stress / 0.02) / 2.0
     assert stack.stress(strain) == pytest.approx(stress, rel=1e-6)
 
 
 def test_uneven_layers_are_shared_out_place_by_place():
     foam, fabric = np.array([3.5, 2.5, 3.0]), np.array([1.2, 0.9, 0.4])
     uneven = Sandwich(foam, fabric, FOAMS["plateau"], KNIT)
-    alone = [
-        Sandwich(a, b, FOAMS["plateau"], KNIT).pressure(2.0).item() for a, b in zip(foam, fabric, strict=True)
-    ]
+    alone = [Sandwich(a, b, FOAMS["plateau"], KNIT).pressure(2.0).item() for a, b in zip(foam, fabric, strict=True)]
     assert uneven.pressure(np.full(3, 2.0)).tolist() == alone
     assert uneven.of_vertices(np.array([2, 0])).pressure(np.full(2, 2.0)).tolist() == [alone[2], alone[0]]
 
@@ -128,9 +124,7 @@ def test_between_two_temperatures_the_stress_is_between():
     cold, hot = FOAMS["table with a level"], foam_law.table([0.0, 0.3, 0.6], [0.0, 0.002, 0.01])
     half = foam_law.mixed([cold, hot], [0.75, 0.25])
     strain = np.linspace(0.0, 0.6, 61)
-    assert half.stress(strain) == pytest.approx(
-        0.75 * cold.stress(strain) + 0.25 * hot.stress(strain), rel=1e-12
-    )
+    assert half.stress(strain) == pytest.approx(0.75 * cold.stress(strain) + 0.25 * hot.stress(strain), rel=1e-12)
     assert half.limit == 0.6
     assert half.knots.tolist() == [0.0, 0.1, 0.3, 0.5, 0.6]
     work = np.trapezoid(half.stress(np.linspace(0, 0.6, 6001)), dx=1e-4)

@@ -19,9 +19,7 @@ def tabulated(temperatures, dwells):
 
 
 def test_constants_come_back_from_their_own_curve_and_from_noise_within_its_error():
-    temperature, dwell = (
-        v.ravel() for v in np.meshgrid([150.0, 170.0, 190.0, 210.0], [10.0, 30.0, 90.0, 240.0])
-    )
+    temperature, dwell = (v.ravel() for v in np.meshgrid([150.0, 170.0, 190.0, 210.0], [10.0, 30.0, 90.0, 240.0]))
     exact = isothermal(temperature, dwell)
     found, rms = identified(temperature, dwell, exact)
     assert (found.rate, found.activation) == pytest.approx((3e8, 95e3), rel=1e-6)
@@ -32,9 +30,7 @@ def test_constants_come_back_from_their_own_curve_and_from_noise_within_its_erro
     assert rms == pytest.approx(0.01, rel=0.5)
 
 
-@pytest.mark.parametrize(
-    ("temperature", "share"), [([180.0, 180.0], [0.2, 0.4]), ([160.0, 180.0], [0.0, 1.0])]
-)
+@pytest.mark.parametrize(("temperature", "share"), [([180.0, 180.0], [0.2, 0.4]), ([160.0, 180.0], [0.0, 1.0])])
 def test_readings_that_tell_no_constants_are_refused(temperature, share):
     with pytest.raises(ValueError, match="two temperatures or more"):
         identified(np.array(temperature), np.array([10.0, 20.0]), np.array(share))
@@ -62,16 +58,12 @@ def test_a_table_of_the_law_says_what_the_law_says_at_its_rows_and_over_a_histor
     one = table.after(np.full((1, 1), 160.0), np.array([50.0]), np.ones(1))
     two = table.after(np.full((2, 1), 160.0), np.array([20.0, 30.0]), np.ones(1))
     assert two == pytest.approx(one, rel=1e-12)
-    assert table.at(160.0, 60.0, 0.5) == pytest.approx(
-        isothermal(np.array([120.0, 200.0]), 60.0).mean(), rel=1e-12
-    )
+    assert table.at(160.0, 60.0, 0.5) == pytest.approx(isothermal(np.array([120.0, 200.0]), 60.0).mean(), rel=1e-12)
     # A fine table follows a warming place as the law itself does.
     fine = tabulated(np.arange(20.0, 221.0, 2.0), np.geomspace(0.01, 600.0, 400))
     warming = np.linspace(40.0, 210.0, 200)[:, None]
     spans = np.full(200, 0.3)
-    assert fine.after(warming, spans, np.ones(1)) == pytest.approx(
-        LAW.after(warming, spans, np.ones(1)), abs=2e-4
-    )
+    assert fine.after(warming, spans, np.ones(1)) == pytest.approx(LAW.after(warming, spans, np.ones(1)), abs=2e-4)
 
 
 def test_a_table_knows_strains_and_sets_nothing_when_cold():

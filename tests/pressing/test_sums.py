@@ -59,9 +59,7 @@ def test_sums_are_those_of_the_points_that_one_press_is_made_of(
     whole = contact(male, gap, sandwich)
     arm = np.array([4.0, 7.0, 9.0])
     lever = male.vertices - arm
-    modes = -np.stack(
-        [np.tile([0.0, 0.0, 1.0], (size, 1)), np.cross([1, 0, 0], lever), np.cross([0, 1, 0], lever)], -1
-    )
+    modes = -np.stack([np.tile([0.0, 0.0, 1.0], (size, 1)), np.cross([1, 0, 0], lever), np.cross([0, 1, 0], lever)], -1)
     thick = [np.zeros(size) + part for part in (sandwich.foam, sandwich.fabric)]
     stack = Stack(male, thick[0], thick[1], np.array(knots(law, fabric)))
     touch = nearest + RNG.normal(0.0, 0.3, size)
@@ -102,7 +100,5 @@ def test_sums_of_a_law_by_place_are_those_of_the_one_law_where_all_places_have_i
         known, found = (each.sums(gap, touch, direction, arm, turns) for each in (stack, places))
         assert found.force == pytest.approx(known.force, rel=1e-7)
         assert found.tangent == pytest.approx(known.tangent, rel=1e-6)
-        assert (found.load, found.energy, found.area) == pytest.approx(
-            (known.load, known.energy, known.area), rel=1e-7
-        )
+        assert (found.load, found.energy, found.area) == pytest.approx((known.load, known.energy, known.area), rel=1e-7)
         assert vars(found.touched) == pytest.approx(vars(known.touched), rel=1e-7)

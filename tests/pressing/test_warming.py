@@ -65,9 +65,7 @@ def test_one_sided_contact_follows_its_series():
     """One face held, the other behind a resistance: tan b = -b / Bi."""
     biot = 2.5
     sandwich = column(200.0, 25.0, contact=(0.0, THICK / CONDUCTIVITY / biot))
-    roots = [
-        brentq(lambda b: b * np.cos(b) + biot * np.sin(b), (k - 0.5) * np.pi, k * np.pi) for k in range(1, 60)
-    ]
+    roots = [brentq(lambda b: b * np.cos(b) + biot * np.sin(b), (k - 0.5) * np.pi, k * np.pi) for k in range(1, 60)]
     b, x = np.array(roots), 0.5
     steady = 1.0 - biot / (1.0 + biot) * x
     for fourier in (0.05, 0.2, 1.0):
@@ -82,15 +80,11 @@ def test_three_layers_against_a_fine_march():
     fabric, contact = (0.6e-3, 0.9e-3), (0.004, 0.02)
     sandwich = column(205.0, 150.0, contact, fabric)
     cells = (40, 160, 40)
-    width = np.concatenate(
-        [np.full(n, d / n) for n, d in zip(cells, (fabric[0], THICK, fabric[1]), strict=True)]
-    )
+    width = np.concatenate([np.full(n, d / n) for n, d in zip(cells, (fabric[0], THICK, fabric[1]), strict=True)])
     k = np.repeat([0.05, CONDUCTIVITY, 0.08], cells)
     c = np.repeat([300.0 * 1400.0, DENSITY * HEAT, 500.0 * 1200.0], cells) * width
     between = 0.5 * width / k
-    conduct = 1.0 / np.concatenate(
-        [[contact[0] + between[0]], between[:-1] + between[1:], [contact[1] + between[-1]]]
-    )
+    conduct = 1.0 / np.concatenate([[contact[0] + between[0]], between[:-1] + between[1:], [contact[1] + between[-1]]])
     system = np.diag(-(conduct[:-1] + conduct[1:])) + np.diag(conduct[1:-1], 1) + np.diag(conduct[1:-1], -1)
     system /= c[:, None]
     source = np.zeros(len(c))

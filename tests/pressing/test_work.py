@@ -41,9 +41,7 @@ def waves(shapes, smooth):
         points, faces = shapes.plate(80.0, 80.0, cells, cells + 1, height=height)
         points[:, 2] += 3.0 * np.sin(points[:, 0] / 9.0) * np.cos(points[:, 1] / 11.0 + 0.1 * height)
         sheets.append((points, faces))
-    return shapes.male(*sheets[0], mount=-20.0, smooth=smooth), shapes.female(
-        *sheets[1], mount=30.0, smooth=smooth
-    )
+    return shapes.male(*sheets[0], mount=-20.0, smooth=smooth), shapes.female(*sheets[1], mount=30.0, smooth=smooth)
 
 
 def molds(shapes, name, smooth):
@@ -68,8 +66,7 @@ def rate_and_force(press, opening, turned=0.0):
     """The energy's rate by differences, and the force; a little further on where a nearest facet changes just here."""
     while True:
         low, here, high = (
-            press.at(Pose(opening + side * STEP, (turned, -turned), (0.0, 0.0, 60.0)))
-            for side in (-1.0, 0.0, 1.0)
+            press.at(Pose(opening + side * STEP, (turned, -turned), (0.0, 0.0, 60.0))) for side in (-1.0, 0.0, 1.0)
         )
         if (low.face == high.face).all():
             return (low.energy - high.energy) / (2.0 * STEP), here.closing_force

@@ -57,9 +57,7 @@ def test_the_page_shows_bands_and_budget() -> None:
 
     section = build(Source("contact.json", "contact", "0" * 64, CONTACT, gone))
     assert section.figures[0].text == "41.8 ± 1.5 N"
-    table = next(
-        one for one in section.parts if isinstance(one, Table) and one.caption.startswith("How sure")
-    )
+    table = next(one for one in section.parts if isinstance(one, Table) and one.caption.startswith("How sure"))
     assert [cell.text for cell in table.rows[0]][:2] == ["force, N", "41.8 ± 1.5 N"]
     picture = next(one for one in section.parts if isinstance(one, Chart) and "made of" in one.caption)
     assert [trace["y"] for trace in picture.data] == [[90.0], [pytest.approx(10.0)]]
@@ -89,9 +87,7 @@ def test_a_warm_up_is_rounded_alike_in_the_summary_and_all_over_the_page() -> No
     assert set(minutes) == {"50.0 min"}
 
 
-@pytest.mark.parametrize(
-    ("female", "told"), [(25.0, "gap at 25 degC 1.00"), (180.0, "gap at 25 and 180 degC 1.00")]
-)
+@pytest.mark.parametrize(("female", "told"), [(25.0, "gap at 25 degC 1.00"), (180.0, "gap at 25 and 180 degC 1.00")])
 def test_a_gap_is_told_at_the_temperature_of_the_molds(female: float, told: str) -> None:
     data: dict[str, Any] = {
         "format": "hyperfab.press/1", "contact_fraction": 0.5, "contact_area_mm2": 9.0, "force_N": 3.0,

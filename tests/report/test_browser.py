@@ -21,9 +21,7 @@ from hyperfab.chapters.report import run
 from hyperfab.console import Console
 from hyperfab.io.vtu import unstructured
 
-webdriver = pytest.importorskip(
-    "selenium.webdriver", reason="selenium is not installed (make test installs it)"
-)
+webdriver = pytest.importorskip("selenium.webdriver", reason="selenium is not installed (make test installs it)")
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(
     not (CHROMIUM and DRIVER), reason="no Chromium here (Debian: apt-get install chromium chromium-driver)"
@@ -81,9 +79,7 @@ def shop(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {"model": EVIL, "parameters": {"C10_MPa": 0.17858268348482623}, "files": ["fabric.csv"]},
     )
     rows = "".join(f"uniaxial {EVIL},,{1 + n / 10},{n},{n},0\n" for n in range(9))
-    (folder / "fabric.csv").write_text(
-        f"test,direction,stretch,stress_MPa,stress_model_MPa,predicted\n{rows}"
-    )
+    (folder / "fabric.csv").write_text(f"test,direction,stretch,stress_MPa,stress_model_MPa,predicted\n{rows}")
     side = np.linspace(-100.0, 100.0, 41)
     x, y = (axis.ravel() for axis in np.meshgrid(side, side))
     points = np.stack([x, y, 60.0 * np.exp(-(x**2 + y**2) / 2000.0)], axis=1)
@@ -167,11 +163,7 @@ def test_the_page_opens_without_an_error_or_a_request(opened: Any) -> None:
     wrong = [entry["message"] for entry in opened.get_log("browser") if entry["level"] == "SEVERE"]
     assert wrong == []
     events = [json.loads(entry["message"])["message"] for entry in opened.get_log("performance")]
-    asked = [
-        event["params"]["request"]["url"]
-        for event in events
-        if event["method"] == "Network.requestWillBeSent"
-    ]
+    asked = [event["params"]["request"]["url"] for event in events if event["method"] == "Network.requestWillBeSent"]
     assert [url for url in asked if not url.startswith(("file:", "data:", "blob:"))] == []
     assert sum(url.startswith("file:") for url in asked) <= 1
     assert opened.title == "Page"  # the document's HTML did not run
@@ -209,9 +201,7 @@ def test_the_switch_changes_the_field_and_its_values_are_the_documents(opened: A
 
 
 def test_figures_in_the_tables_are_the_documents(opened: Any) -> None:
-    cells = {
-        cell.get_attribute("title"): cell.text for cell in opened.find_elements("css selector", "td[title]")
-    }
+    cells = {cell.get_attribute("title"): cell.text for cell in opened.find_elements("css selector", "td[title]")}
     assert cells["1.7707914247605907 N"] == "1.771 N"
     assert cells["0.17858268348482623 MPa"] == "0.1786 MPa"
 
@@ -222,9 +212,7 @@ def test_filters_of_a_study_hide_rows(opened: Any) -> None:
     def shown(count: int) -> list[str]:
         for _ in range(50):
             rows = opened.find_elements("css selector", "table[data-cases] tbody tr")
-            found = [
-                row.find_element("css selector", "td:last-child").text for row in rows if row.is_displayed()
-            ]
+            found = [row.find_element("css selector", "td:last-child").text for row in rows if row.is_displayed()]
             if len(found) == count:
                 break
             time.sleep(0.1)
@@ -276,9 +264,7 @@ def test_charts_drawn_for_a_window_are_whole_on_paper(opened: Any, width: int) -
     right = opened.execute_script(
         "return Math.max(...[...document.querySelectorAll('.main-svg')].map(s => s.getBoundingClientRect().right))"
     )
-    boxes = opened.execute_script(
-        "const r = arguments[0].getBoundingClientRect(); return [r.width, r.height]", box
-    )
+    boxes = opened.execute_script("const r = arguments[0].getBoundingClientRect(); return [r.width, r.height]", box)
     opened.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
     opened.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
     assert right <= width

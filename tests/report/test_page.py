@@ -55,9 +55,7 @@ def nothing(name: str) -> bytes:
     raise InputError("no such file", file=name)
 
 
-def source(
-    kind: str, data: dict[str, Any], name: str = "a.json", read: Callable[[str], bytes] = nothing
-) -> Source:
+def source(kind: str, data: dict[str, Any], name: str = "a.json", read: Callable[[str], bytes] = nothing) -> Source:
     """Return a document as the page takes it."""
     digest = hashlib.sha256(json.dumps(data).encode()).hexdigest()
     return Source(name, kind, digest, data, read)
@@ -83,15 +81,11 @@ def test_everything_from_a_document_is_escaped() -> None:
     data["provenance"] = {"hf": EVIL, "command": EVIL, "arguments": [EVIL], "inputs": []}
     csv = f"test,direction,stretch,stress_MPa,stress_model_MPa,predicted\n{EVIL.replace(',', '')},,1,1,1,0\n"
     data["files"].append("a.csv")
-    one = source(
-        "material", data, f"{EVIL}.json", lambda name: csv.encode() if name == "a.csv" else nothing(name)
-    )
+    one = source("material", data, f"{EVIL}.json", lambda name: csv.encode() if name == "a.csv" else nothing(name))
     text = page(EVIL, [(one, build(one))], None).decode()
     assert "<script>alert" not in text
     assert "<img src=x" not in text
-    clean = page(
-        "a", [(source("material", material()), build(source("material", material())))], None
-    ).decode()
+    clean = page("a", [(source("material", material()), build(source("material", material())))], None).decode()
     # One script more than a plain page has: the data of the chart, which are no program.
     scripts = Found(text).named("script")
     assert [item.get("type") for item in scripts] == ["application/json", "text/plain", None]
@@ -193,9 +187,7 @@ def test_thinning_out_keeps_places_and_values_and_tells_the_loss() -> None:
     triangles = np.concatenate(
         [np.stack([corner, corner + 1, corner + 102], 1), np.stack([corner, corner + 102, corner + 101], 1)]
     )
-    whole = Surface(
-        points, triangles, np.arange(len(points)), np.arange(len(triangles)), whole=len(triangles)
-    )
+    whole = Surface(points, triangles, np.arange(len(points)), np.arange(len(triangles)), whole=len(triangles))
     thin = thinned(whole, most=2000)
     assert 200 < len(thin.triangles) <= 2000
     assert np.array_equal(thin.points, points[thin.origin])
@@ -234,9 +226,7 @@ def test_each_fitted_line_is_one_test_at_one_temperature(
     temperatures: list[float], replicates: int, directions: list[str]
 ) -> None:
     """Replicates, cycles and temperatures in one table must not make a line that runs to and fro between them."""
-    rows = [
-        "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted"
-    ]
+    rows = ["test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted"]
     laws: dict[tuple[str, float], dict[float, float]] = {}
     for way in directions:
         for heat in temperatures:
@@ -246,9 +236,7 @@ def test_each_fitted_line_is_one_test_at_one_temperature(
                     stretch = 1.0 + 0.1 * step
                     law[stretch] = (stretch - 1.0) * (2.0 if way == "weft" else 1.0) / heat
                     measured = law[stretch] * (1.0 + 0.1 * specimen)
-                    rows.append(
-                        f"uniaxial,{way},{heat},{specimen},{stretch!r},,{measured!r},{law[stretch]!r},0"
-                    )
+                    rows.append(f"uniaxial,{way},{heat},{specimen},{stretch!r},,{measured!r},{law[stretch]!r},0")
     table = "\n".join(rows).encode()
     one = source("material", material(files=["a.csv"]), read=lambda name: table)
     [drawing] = charts(build(one))
@@ -263,9 +251,7 @@ def test_each_fitted_line_is_one_test_at_one_temperature(
 
 def test_predictions_of_two_axes_at_once_are_no_line() -> None:
     rows = "".join(f"biaxial-general,,,1,{x},{y},{x * y},{x * y},0\n" for x in (1.1, 1.2) for y in (1.0, 1.3))
-    head = (
-        "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted\n"
-    )
+    head = "test,direction,temperature_degC,specimen,stretch,stretch_2,stress_MPa,stress_model_MPa,predicted\n"
     one = source("material", material(files=["a.csv"]), read=lambda name: (head + rows).encode())
     [drawing] = charts(build(one))
     assert all(trace["mode"] == "markers" for trace in drawing.data)
@@ -291,9 +277,7 @@ def test_contact_has_two_colours_from_none_to_all(module: Any, values: np.ndarra
 
 
 def test_before_and_after_have_the_same_colours_on_the_page_and_in_pictures() -> None:
-    table = (
-        "test,stretch,stress_MPa,before_MPa,after_MPa,noise_sd_MPa\na,1.1,1,2,1.1,0.1\na,1.2,2,3,2.1,0.1\n"
-    )
+    table = "test,stretch,stress_MPa,before_MPa,after_MPa,noise_sd_MPa\na,1.1,1,2,1.1,0.1\na,1.2,2,3,2.1,0.1\n"
     data = loop(files=["a.csv"])
     first, second = charts(build(source("loop", data, read=lambda name: table.encode())))
     colours = {trace["name"]: (trace.get("line") or trace["marker"])["color"] for trace in first.data}
@@ -391,9 +375,7 @@ def test_residuals_stand_under_the_values_that_were_measured() -> None:
         "probe": np.repeat([0.0, 1.0], 6),
         "log rate": np.full(12, -2.4) + 1e-12 * np.arange(12),
     }
-    figure = LoopPicture(
-        **drawn(np.arange(12.0), states), value_words={"probe": ["top", "cup, left"]}
-    ).drawing()
+    figure = LoopPicture(**drawn(np.arange(12.0), states), value_words={"probe": ["top", "cup, left"]}).drawing()
     told = {
         axes.get_xlabel(): [label.get_text() for label in axes.get_xticklabels()]
         for axes in figure.axes

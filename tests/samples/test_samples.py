@@ -77,9 +77,7 @@ def test_the_normal_of_the_male_is_perpendicular_to_its_tangents():
 
 def test_fabric_softens_with_temperature_and_is_softer_along_the_weft():
     assert nominal_stress("weft", 23, 0.5) < nominal_stress("warp", 23, 0.5)
-    assert (
-        nominal_stress("warp", 105, 0.5) < nominal_stress("warp", 80, 0.5) < nominal_stress("warp", 23, 0.5)
-    )
+    assert nominal_stress("warp", 105, 0.5) < nominal_stress("warp", 80, 0.5) < nominal_stress("warp", 23, 0.5)
 
 
 def test_fabric_readings_scatter_about_the_law_they_are_built_on(samples):

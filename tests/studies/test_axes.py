@@ -190,8 +190,7 @@ def test_the_front_is_what_no_other_point_beats() -> None:
     x, y = rng.integers(0, 30, 200).astype(float), rng.integers(0, 30, 200).astype(float)
     x[3] = np.nan
     beaten = [
-        bool(np.any((x <= a) & (y <= b) & ((x < a) | (y < b)))) or bool(np.isnan(a))
-        for a, b in zip(x, y, strict=True)
+        bool(np.any((x <= a) & (y <= b) & ((x < a) | (y < b)))) or bool(np.isnan(a)) for a, b in zip(x, y, strict=True)
     ]
     assert pareto_front(x, y).tolist() == np.flatnonzero(~np.array(beaten)).tolist()
 

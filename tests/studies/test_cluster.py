@@ -180,8 +180,7 @@ def test_steps_of_another_program_are_other_steps(shop: Path, monkeypatch: pytes
     def keys() -> list[str]:
         inputs = Inputs()
         return [
-            case.steps[0].key
-            for case in Plan(read_document(inputs, "study.toml", StudyDocument), "study.toml", inputs)
+            case.steps[0].key for case in Plan(read_document(inputs, "study.toml", StudyDocument), "study.toml", inputs)
         ]
 
     here = keys()

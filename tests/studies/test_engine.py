@@ -125,9 +125,7 @@ class Shop:
         here = contextlib.chdir(self.folder)
         with here, pytest.MonkeyPatch.context() as patch:
             patch.setattr("hyperfab.studies.plan.program", lambda: "the same")
-            patch.setattr(
-                "hyperfab.studies.cluster.local", lambda jobs, plugin: contextlib.nullcontext(Inline())
-            )
+            patch.setattr("hyperfab.studies.cluster.local", lambda jobs, plugin: contextlib.nullcontext(Inline()))
             status = sweep.run(
                 Job("sweep", ["study.toml"], said),
                 SweepCase(study="study.toml", out=out, jobs=1, retry_failed=retry),
@@ -210,9 +208,7 @@ def test_a_step_that_kills_its_worker_costs_its_cases_only(shop: Shop) -> None:
             'command = "add"\narguments = ["{first}"', 'command = "die"\narguments = ["{first}"'
         )
     )
-    (shop.folder / "study.toml").write_text(
-        (shop.folder / "study.toml").read_text().replace("count = 4", "count = 2")
-    )
+    (shop.folder / "study.toml").write_text((shop.folder / "study.toml").read_text().replace("count = 4", "count = 2"))
     status, said = shop.sweep("out", jobs=1)
     assert status == 1, said
     assert b",137," in shop.table("out")
@@ -224,15 +220,11 @@ def test_killed_workers_and_drivers_lose_nothing_and_run_nothing_twice(shop: Sho
     psutil = pytest.importorskip("psutil", reason="comes with distributed")
     shop.study(command="sleep", b="[" + ", ".join(str(n / 100) for n in range(1, 5)) + "]")
     text = (shop.folder / "study.toml").read_text()
-    text = text.replace("from = 1, to = 4", "from = 0.1, to = 0.3").replace(
-        'command = "add"', 'command = "sleep"'
-    )
+    text = text.replace("from = 1, to = 4", "from = 0.1, to = 0.3").replace('command = "add"', 'command = "sleep"')
     (shop.folder / "study.toml").write_text(text)
     first = shop.start("out")
     _wait_for_steps(shop, "out", 3, first)
-    workers = [
-        child for child in psutil.Process(first.pid).children() if "spawn_main" in " ".join(child.cmdline())
-    ]
+    workers = [child for child in psutil.Process(first.pid).children() if "spawn_main" in " ".join(child.cmdline())]
     assert workers
     workers[0].kill()
     _wait_for_steps(shop, "out", 6, first)

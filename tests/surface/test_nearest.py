@@ -74,9 +74,7 @@ def test_coordinates_far_from_zero_cost_rounding_alone():
     points, vertices, faces = rough_sheet(np.random.default_rng(5), "bumpy")
     far = np.array([4e4, -7e4, 1e5])
     exact = brute(points, vertices[faces])
-    assert np.abs(Surface(vertices + far, faces).nearest(points + far).distance) == pytest.approx(
-        exact, abs=1e-9
-    )
+    assert np.abs(Surface(vertices + far, faces).nearest(points + far).distance) == pytest.approx(exact, abs=1e-9)
 
 
 @pytest.fixture(scope="module")

@@ -56,9 +56,7 @@ def test_the_sign_is_right_on_both_sides_of_sharp_edges_and_corners():
 def test_a_hint_never_changes_the_distance(ball):
     points = np.random.default_rng(3).normal(0, 60, (500, 3))
     wrong = np.random.default_rng(4).integers(-1, len(ball.faces), 500)
-    assert np.array_equal(
-        np.abs(ball.nearest(points).distance), np.abs(ball.nearest(points, hint=wrong).distance)
-    )
+    assert np.array_equal(np.abs(ball.nearest(points).distance), np.abs(ball.nearest(points, hint=wrong).distance))
 
 
 def test_features_and_normals_at_the_edge_and_corner_of_a_box():
@@ -84,9 +82,7 @@ def test_rays_hit_the_sphere_where_geometry_says(ball):
 def test_curvature_of_a_sphere_is_one_over_its_radius(ball):
     trace = np.trace(ball.curvature, axis1=1, axis2=2)
     assert trace.mean() == pytest.approx(2 / 60, rel=3e-3)
-    assert np.allclose(
-        trace, 2 / 60, rtol=0.06
-    )  # vertices with five facets among those with six tilt normals
+    assert np.allclose(trace, 2 / 60, rtol=0.06)  # vertices with five facets among those with six tilt normals
     assert (ball.edge_turn > 0).all()
 
 

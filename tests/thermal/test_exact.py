@@ -33,11 +33,7 @@ def warm(model, start, until, tolerance, corners=()):
 
 
 def test_nafems_t2_rod_that_radiates_at_its_end(block):
-    rod = (
-        block((0.1, 0.01, 0.01), (4, 1, 1), k=55.6)
-        .hold("x-", 1000.0 - 273.15)
-        .radiate("x+", 0.98, 300 - 273.15)
-    )
+    rod = block((0.1, 0.01, 0.01), (4, 1, 1), k=55.6).hold("x-", 1000.0 - 273.15).radiate("x+", 0.98, 300 - 273.15)
     temperature = steady(rod.model(), 700.0)
     assert temperature[rod.node(0.1, 0, 0)] + 273.15 == pytest.approx(927.00395045206, abs=1e-7)
 
@@ -105,16 +101,11 @@ def test_joint_between_two_walls_jumps_by_flux_over_conductance():
     assert near.nodes.shape == far.nodes.shape
     np.testing.assert_allclose(split.points[near.nodes], split.points[far.nodes])
     x = split.points[:, 0]
-    end = split.facets.outer & (
-        split.points[split.facet_nodes(joint | ~joint)][:, :, 0].min(axis=1) > 0.2 - 1e-9
-    )
+    end = split.facets.outer & (split.points[split.facet_nodes(joint | ~joint)][:, :, 0].min(axis=1) > 0.2 - 1e-9)
     cooled = FacetOperator(split.points, split.facet_nodes(end))
     model = HeatModel(
         split,
-        [
-            ThermalMaterial(name, 1.0, Table.constant(k), Table.constant(1.0))
-            for name, k in (("a", k1), ("b", k2))
-        ],
+        [ThermalMaterial(name, 1.0, Table.constant(k), Table.constant(1.0)) for name, k in (("a", k1), ("b", k2))],
         [
             Contact("joint", near, far, h, Table.constant(1.0)),
             Convection("film", cooled, Table.constant(film), Table.constant(0.0)),
@@ -146,9 +137,7 @@ def test_specific_heat_that_rises_with_temperature_stores_exactly_the_enthalpy(b
     heat = 2e5 * 0.01 * 300.0
     volume_heat = 2700.0 * 1e-3
     # Enthalpy of the piecewise linear table, from 20 degC, inverted by hand for the uniform body.
-    warmed = brentq(
-        lambda t: volume_heat * (c.integral(np.array(t)) - c.integral(np.array(20.0))) - heat, 20, 900
-    )
+    warmed = brentq(lambda t: volume_heat * (c.integral(np.array(t)) - c.integral(np.array(20.0))) - heat, 20, 900)
     assert history.ledger.stored[-1] == pytest.approx(heat, rel=1e-12)
     assert history.states[-1].temperature.mean() == pytest.approx(warmed, rel=0.02)
     assert history.ledger.imbalance() < 1e-12

@@ -123,9 +123,7 @@ def solved(name):
             conduct = np.interp(at, *changes[1, part].T) * (1 + n["conductivity_per_K"] * warm)
             mass += capacity * MASSES[part]
             flow -= conduct * STIFFNESSES[part] @ a[:3]
-        flow -= (1 + n["joint_per_K"] * (MEAN @ a[:3] - ref)) * JOINED @ a[:3] + 6.0 * closed(t)[
-            0
-        ] * JUMP @ a[:3]
+        flow -= (1 + n["joint_per_K"] * (MEAN @ a[:3] - ref)) * JOINED @ a[:3] + 6.0 * closed(t)[0] * JUMP @ a[:3]
         bench = WEIGHTS[3:] @ ROWS[3:] / WEIGHTS[3:].sum()
         for row, area, face in zip(ROWS, WEIGHTS, OWNER, strict=True):
             at, around = row @ a[:3], air(t)[face] + (a[3] if face == 2 else 0.0)
@@ -138,14 +136,10 @@ def solved(name):
             flow -= area * loss * row
         for shape, power in zip(SOURCES, powers(t), strict=True):
             hot = shape @ a[:3] - ref
-            share = (1 - n["lost"] - n["lost_per_K"] * hot - n["lost_per_K2"] * hot**2) / (
-                1 + n["wire_per_K"] * hot
-            )
+            share = (1 - n["lost"] - n["lost_per_K"] * hot - n["lost_per_K2"] * hot**2) / (1 + n["wire_per_K"] * hot)
             flow += (share * power - (n["back_W_K"] * hot if power else 0.0)) * shape
         follows = n["bench_share"] * (bench @ a[:3] - air(t)[2])
-        return np.append(
-            np.linalg.solve(mass, flow), (follows - a[3]) / n["bench_s"] if n["bench_s"] else 0.0
-        )
+        return np.append(np.linalg.solve(mass, flow), (follows - a[3]) / n["bench_s"] if n["bench_s"] else 0.0)
 
     found = solve_ivp(heat, (0.0, END), [30.0, 25.0, 40.0, 0.0], method="Radau", rtol=1e-9, atol=1e-8)
     return found.y[:3, -1], heat(END, found.y[:, -1])[:3]

@@ -101,9 +101,7 @@ def test_semi_axes_are_along_x_y_z(axes):
     assert raw.volumes[0] == pytest.approx(4 / 3 * np.pi * np.prod(axes), rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("axis", "low", "high"), [("x", (0, -3, -5), (20, 3, 5)), ("y", (-5, 0, -3), (5, 20, 3))]
-)
+@pytest.mark.parametrize(("axis", "low", "high"), [("x", (0, -3, -5), (20, 3, 5)), ("y", (-5, 0, -3), (5, 20, 3))])
 def test_elliptic_cylinders_take_their_semi_axes_in_cyclic_order(axis, low, high):
     raw = make_mesh(Geometry((Body("rod", (Cylinder((0.0, 0.0, 0.0), axis, 20.0, (3.0, 5.0)),)),)), 3.0)
     np.testing.assert_allclose(raw.points.min(axis=0), low, atol=0.1)

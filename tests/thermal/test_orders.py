@@ -45,9 +45,7 @@ def steady_errors(block, n):
     found = elements.metric(nodes)
     values, gradients = elements.TETRAHEDRON.tables
     at = np.einsum("qi,mid->mqd", values, nodes)
-    load = np.bincount(
-        mesh.elements.ravel(), elements.load(found, minus_laplacian(at)).ravel(), len(mesh.points)
-    )
+    load = np.bincount(mesh.elements.ravel(), elements.load(found, minus_laplacian(at)).ravel(), len(mesh.points))
     body.conditions.append(Source(load))
     outer = np.unique(mesh.facet_nodes(mesh.facets.outer))
     model = body.model()
@@ -127,11 +125,7 @@ def test_account_closes_with_everything_at_once(block):
 
 def test_a_coarse_tolerance_and_a_fine_one_agree(block):
     def final(tolerance):
-        body = (
-            block((0.2, 0.1, 0.1), (4, 2, 2), k=237.0, rho=2702.0, cp=903.0)
-            .flux("x-", 3e4)
-            .film("x+", 50.0, 25.0)
-        )
+        body = block((0.2, 0.1, 0.1), (4, 2, 2), k=237.0, rho=2702.0, cp=903.0).flux("x-", 3e4).film("x+", 50.0, 25.0)
         model = body.model()
         history = run(model, np.full(model.size, 25.0), Schedule(600.0, (), tolerance))
         return history.states[-1].temperature, len(history.states)

@@ -34,8 +34,7 @@ def plain(mold, **changed):
     }
     effects = {name: np.array([changed.pop(name)]) for name in list(changed) if name not in given}
     given |= {
-        name: np.array([value]) if name != "ambient_K" else np.atleast_1d(value)
-        for name, value in changed.items()
+        name: np.array([value]) if name != "ambient_K" else np.atleast_1d(value) for name, value in changed.items()
     }
     return Settings(**given, effects=effects)
 
@@ -117,9 +116,7 @@ def test_thin_plate_that_radiates(block):
     plate = block((0.01, 0.01, 0.01), (1, 1, 1), k=1e5, rho=2702.0, cp=903.0)
     plate.radiate("x-", 0.8, 25.0).radiate("x+", 0.8, 25.0)
     mold = reduced(plate, [(0, 0, 0)], 200.0, 1229.65245872)
-    assert mold.run(np.array([0.0, 1229.65245872]), plain(mold), 200)[0, -1, 0] == pytest.approx(
-        100.0, abs=0.01
-    )
+    assert mold.run(np.array([0.0, 1229.65245872]), plain(mold), 200)[0, -1, 0] == pytest.approx(100.0, abs=0.01)
     bare = block((0.01, 0.01, 0.01), (1, 1, 1), k=1e5, rho=2702.0, cp=903.0)
     bare.film("x-", 1e-9, 25.0).film("x+", 1e-9, 25.0)
     mold = reduced(bare, [(0, 0, 0)], 200.0, 1229.65245872)
@@ -198,9 +195,7 @@ def test_a_patch_knows_its_middle_and_its_axes():
     assert found.places[middle, 0] < -0.9
     # Resistance twice as large at one end as at the other leaves the matrix of its mean conductance.
     steady = found.jump(0.01, np.array([0.0, 0.0, 0.0]))
-    assert steady == pytest.approx(
-        found.rows.T @ (found.weights[:, None] * found.rows) / (0.01 + 1e-7), rel=1e-12
-    )
+    assert steady == pytest.approx(found.rows.T @ (found.weights[:, None] * found.rows) / (0.01 + 1e-7), rel=1e-12)
     uneven = found.uneven(np.array([0.0, 0.5, 0.0]))
     assert uneven == pytest.approx(np.maximum(1.0 + 0.5 * found.places[:, 1], 0.05), rel=1e-12)
     assert found.weights @ uneven / 4.0 == pytest.approx(1.0, rel=1e-9)

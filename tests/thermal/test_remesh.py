@@ -63,7 +63,5 @@ def test_cavities_and_neighbours_stay_where_they_are(ball):
     wall = np.abs(np.linalg.norm(at[:, :2], axis=1) - 8.0)
     shell = np.abs(np.linalg.norm(at, axis=1) - RADIUS)
     assert np.minimum(wall, shell).max() < 0.4  # only where both meet is the coarser surface kept
-    split = Geometry(
-        (Body("ball", (ball[1].surface,)),), (Body("half", (Box((-40, -40, -40), (80, 80, 40)),)),)
-    )
+    split = Geometry((Body("ball", (ball[1].surface,)),), (Body("half", (Box((-40, -40, -40), (80, 80, 40)),)),))
     assert volume(split, 8.0)[1] == pytest.approx(2 / 3 * np.pi * RADIUS**3, rel=2e-3)

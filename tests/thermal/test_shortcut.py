@@ -187,9 +187,7 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     _, model, probes, thermostats = random_mold(block, 6)
     rng = np.random.default_rng(1)
     capacity = model.pattern.matrix(model.medium.capacity(np.zeros(model.size)))
-    basis = orthonormal(
-        np.column_stack([np.ones(model.size), rng.normal(size=(model.size, 3))]), capacity, 0.0, 9
-    )
+    basis = orthonormal(np.column_stack([np.ones(model.size), rng.normal(size=(model.size, 3))]), capacity, 0.0, 9)
     lift = Lift.with_room(np.full(model.size, 80.0), basis, 9)
     start = initial_state(model, 0.0, np.full(model.size, 25.0))
     history = History(Trail([start]), Ledger.begin(model, 0.0, []))
@@ -209,9 +207,7 @@ def test_what_a_check_finds_comes_into_the_basis(block):
     np.testing.assert_array_equal(wider.origin, before[0])
     anew = ProjectedMedium.of(model.medium, wider)
     for name, value in vars(anew).items():
-        np.testing.assert_allclose(
-            getattr(found_view.model.medium, name), value, rtol=1e-9, atol=1e-9, err_msg=name
-        )
+        np.testing.assert_allclose(getattr(found_view.model.medium, name), value, rtol=1e-9, atol=1e-9, err_msg=name)
     assert wider.basis.shape[1] == 6
     np.testing.assert_array_equal(wider.basis[:, :4], basis)
     np.testing.assert_allclose(wider.basis.T @ (capacity @ wider.basis), np.eye(6), atol=1e-9)

@@ -55,9 +55,7 @@ def drawn(root: Path, scale: float = 1.0) -> list[tuple[str, Mutant]]:
             if taken[at] < 2 and is_python(root, mutant):
                 taken[at] += 1
                 here.append(mutant)
-        found += [
-            (stratum, mutant) for mutant in sorted(here, key=lambda mutant: (mutant.path, mutant.start))
-        ]
+        found += [(stratum, mutant) for mutant in sorted(here, key=lambda mutant: (mutant.path, mutant.start))]
     return found
 
 
@@ -68,9 +66,7 @@ def near(mutants: list[Mutant]) -> tuple[str, ...]:
     return ("hyperfab/", *sorted(more | {f"tests/{package}/" for package in packages}))
 
 
-def mapped(
-    root: Path, copy: Path, work: Path, fresh: bool, wanted: tuple[str, ...]
-) -> dict[str, dict[str, object]]:
+def mapped(root: Path, copy: Path, work: Path, fresh: bool, wanted: tuple[str, ...]) -> dict[str, dict[str, object]]:
     """What each test reaches: as kept, with tests of changed files under ``wanted`` run again."""
     kept = work / "reach.json"
     known: dict[str, dict[str, object]] = (
@@ -81,10 +77,7 @@ def mapped(
         for folder in ("tests", "hyperfab")
         for path in (root / folder).glob("**/*.py")
         if not path.relative_to(root).as_posix().startswith(IGNORED)
-        and (
-            path.name.startswith("test_")
-            or (folder == "hyperfab" and ">>>" in path.read_text(encoding="utf-8"))
-        )
+        and (path.name.startswith("test_") or (folder == "hyperfab" and ">>>" in path.read_text(encoding="utf-8")))
     )
     stamps = {file: _stamp(root / file) for file in files}
     tests = {name: test for name, test in known.items() if stamps.get(name.split("::")[0]) == test["stamp"]}
@@ -95,9 +88,7 @@ def mapped(
     ]
     # The tests of commands last, those of whole chains last of all: they take longest.
     late = ("tests/cloth", "tests/loop", "tests/chapters", "tests/cli", "tests/chapters/test_close_loop")
-    changed.sort(
-        key=lambda file: (max([0, *(n for n, at in enumerate(late, 1) if file.startswith(at))]), file)
-    )
+    changed.sort(key=lambda file: (max([0, *(n for n, at in enumerate(late, 1) if file.startswith(at))]), file))
     examples = [file for file in changed if file.startswith("hyperfab")]
     for batch in [examples, *([file] for file in changed if file not in examples)]:
         if not batch:
@@ -154,9 +145,7 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
         if status in (4, 5):  # a test's name holds what the defect changes: nobody was asked
             return f"no test of that name: status {status}"
         failed = [
-            line.split(" - ")[0].split(" ", 1)[1]
-            for line in told.splitlines()
-            if line.startswith(("FAILED", "ERROR "))
+            line.split(" - ")[0].split(" ", 1)[1] for line in told.splitlines() if line.startswith(("FAILED", "ERROR "))
         ]
         return f"caught by {failed[0]}" if failed else f"caught: status {status}"
     finally:
@@ -171,13 +160,9 @@ def shown(mutant: Mutant, copy: Path, names: list[str], modules: set[str], secon
 
 def main() -> int:
     """Draw, plant, tell; status 1 where under nine in ten of those that matter were noticed."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scale", type=float, default=1.0, help="times as many of each package (214 at 1)")
-    parser.add_argument(
-        "--seconds", type=float, default=60.0, help="CPU time of tests that one defect may take"
-    )
+    parser.add_argument("--seconds", type=float, default=60.0, help="CPU time of tests that one defect may take")
     parser.add_argument("--only", default="", help="files whose path begins so")
     parser.add_argument("--fresh", action="store_true", help="ask anew which test reaches what")
     parser.add_argument(
@@ -185,9 +170,7 @@ def main() -> int:
         action="store_true",
         help="ask the tests of a defect's own package alone, not those of commands",
     )
-    parser.add_argument(
-        "--as-mapped", action="store_true", help="take what is known of who reaches what as it is"
-    )
+    parser.add_argument("--as-mapped", action="store_true", help="take what is known of who reaches what as it is")
     options = parser.parse_args()
     # Ended from outside, a draw takes its defect out again.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
@@ -197,9 +180,7 @@ def main() -> int:
     lock = open(work / "lock", "w")  # noqa: SIM115 - held until the end: two at a time would plant in one copy
     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     tree.copy(copy)
-    told: dict[str, str] = tomllib.loads(
-        (Path(__file__).parent / "equivalent.toml").read_text(encoding="utf-8")
-    )
+    told: dict[str, str] = tomllib.loads((Path(__file__).parent / "equivalent.toml").read_text(encoding="utf-8"))
     kept = work / "outcomes.json"
     outcomes: dict[str, list[str]] = json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else {}
     whole = drawn(copy, options.scale)
@@ -256,9 +237,7 @@ def _told(
     for stale in sorted(set(told) - {mutant.name for _, mutant in whole}):
         print(f"equivalent.toml: no such defect any more: {stale}")
     matter = counts["in all"]["caught"] + counts["in all"]["not"]
-    print(
-        f"{100.0 * counts['in all']['caught'] / max(matter, 1):.1f} % caught of those that are not equivalent"
-    )
+    print(f"{100.0 * counts['in all']['caught'] / max(matter, 1):.1f} % caught of those that are not equivalent")
     return 0 if counts["in all"]["caught"] >= 0.9 * matter else 1
 
 
@@ -266,9 +245,7 @@ def _stamp_of(copy: Path, names: list[str]) -> str:
     import hashlib
 
     files = sorted({name.split("::")[0] for name in names})
-    return hashlib.sha256("".join([*names, *(_stamp(copy / file) for file in files)]).encode()).hexdigest()[
-        :16
-    ]
+    return hashlib.sha256("".join([*names, *(_stamp(copy / file) for file in files)]).encode()).hexdigest()[:16]
 
 
 if __name__ == "__main__":

@@ -84,9 +84,7 @@ class _Finder(ast.NodeVisitor):
         line = self.source[:first].count(b"\n") + 1
         old = self.source[first:last].decode()
         place = first - begins
-        self.found.append(
-            Mutant(self.path, ".".join(self.names), line, first, last, old, new, statement, place)
-        )
+        self.found.append(Mutant(self.path, ".".join(self.names), line, first, last, old, new, statement, place))
 
     def _between(self, left: ast.AST, right: ast.AST, old: str, new: str) -> None:
         """Put ``new`` in place of the operator between two operands."""
@@ -167,8 +165,7 @@ class _Finder(ast.NodeVisitor):
         for operator, right in zip(node.ops, node.comparators, strict=True):
             # That a measured or computed number is just the limit does not happen; that a count is, does.
             counts = any(
-                (isinstance(side, ast.Constant) and type(side.value) is int)
-                or self._text(side).startswith("len(")
+                (isinstance(side, ast.Constant) and type(side.value) is int) or self._text(side).startswith("len(")
                 for side in (left, right)
             )
             news = _COMPARISON[type(operator)]

@@ -38,12 +38,7 @@ def copy(tree: Path) -> None:
     names = {name for name in listed.stdout.decode().splitlines() if (ROOT / name).is_file()}
     for old in tree.rglob("*"):
         inside = old.relative_to(tree).as_posix()
-        if (
-            old.is_file()
-            and "__pycache__" not in inside
-            and inside not in names
-            and inside != "sitecustomize.py"
-        ):
+        if old.is_file() and "__pycache__" not in inside and inside not in names and inside != "sitecustomize.py":
             old.unlink()
     changed = False
     for name in sorted(names):
@@ -71,9 +66,7 @@ def _environment(tree: Path) -> dict[str, str]:
     }
 
 
-def started(
-    tree: Path, arguments: list[str], environment: dict[str, str], **more: object
-) -> subprocess.Popen[bytes]:
+def started(tree: Path, arguments: list[str], environment: dict[str, str], **more: object) -> subprocess.Popen[bytes]:
     """Start the tests named, in the copy, one process, in a group of their own."""
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-p", "no:cacheprovider", *arguments]
     own = {**os.environ, **_environment(tree), **environment}

@@ -67,9 +67,7 @@ def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
         other = seen.setdefault(sha256(job.inputs.read(name)).hexdigest(), name)
         if role == "--hold-out" and other in measured:
             what = "is" if other == name else f"holds the readings of {other}, which is"
-            raise UsageError(
-                f"--hold-out {name}: {what} also --measured; what the model is fitted to is no prediction"
-            )
+            raise UsageError(f"--hold-out {name}: {what} also --measured; what the model is fitted to is no prediction")
         if other is not name:
             what = "is given twice" if other == name else f"holds the very readings of {other}"
             raise UsageError(f"{name} {what}; its readings would count double")

@@ -127,16 +127,12 @@ def pose_sheet(
     test = forward.test()
     deepest = float(max(np.max(one.depth) for one in files))
     if deepest <= 0.0:
-        raise InputError(
-            "has no depth above 0", file=files[0].name, remedy="count depth from the first touch"
-        )
+        raise InputError("has no depth above 0", file=files[0].name, remedy="count depth from the first touch")
     knots = np.linspace(0.0, 1.02 * deepest, _KNOTS + 1)[1:]
     names, linear = linear_of(forward.material)
     first = linear.index(True) if any(linear) else -1
     reach = 0.35
-    axes = [
-        Setting(one, 1.0, reach, reach, level=1, mixes=False) for i, one in enumerate(names) if i != first
-    ]
+    axes = [Setting(one, 1.0, reach, reach, level=1, mixes=False) for i, one in enumerate(names) if i != first]
     held, states = forward.states(test, knots)
     base = np.array([state.force for state in states]) / knots
     # A sheet that hangs slack carries nothing: its law is not asked below 1.
@@ -275,9 +271,7 @@ def pose(
     if material.temperatures:
         files = [one if one.temperature is None else replace(one, softened=_known(material, one.temperature, reference))
                  for one in files]  # fmt: skip
-    problem = contact_problem(
-        sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip
-    )
+    problem = contact_problem(sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip)
     check_fixed(fix, [one.name for one in problem.own], "sheet")
     return problem
 
@@ -303,9 +297,7 @@ def noise_of(
         start = sum(len(file.depth) for file in problem.files[:place])
         return np.arange(start, start + len(one.depth))
 
-    def estimate(
-        problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array
-    ) -> Guess:
+    def estimate(problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array) -> Guess:
         return guess_of_curve(one.force - predicted[rows], one.depth, level=one.force, state=one.temperature)
 
     return noise_from(files, lambda one: level, rows_of, estimate)

@@ -250,9 +250,7 @@ def say(console: Console, problem: Problem, found: Finding, document: LoopDocume
         for row in document.candidates
         if row.visible
     ]  # fmt: skip
-    console.table(
-        "What the model might lack", ["effect", "evidence", "BIC lowered by", "not told from"], rows
-    )
+    console.table("What the model might lack", ["effect", "evidence", "BIC lowered by", "not told from"], rows)
 
 
 def column(name: str, unit: str) -> str:

@@ -77,11 +77,7 @@ def run(job: Job, given: Given) -> int:
     left_out: Counter[str] = Counter()
     files = read_measured(given, lambda name: read_markers(job, name, given.layout, left_out))
     out.refuse_inputs(job.inputs)
-    material = (
-        None
-        if made.case.material is None
-        else read_document(job.inputs, made.case.material, MaterialDocument)
-    )
+    material = None if made.case.material is None else read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
     check_unchanged(job, made, [*given.measured, *given.case.held])
     _check_places(forward.sheet, [*files.plain, *files.apart])
@@ -177,9 +173,7 @@ class Forward:
     def __init__(self, job: Job, case: DrapeCase, material: MaterialDocument | None) -> None:
         self.case, self.material = case, material
         # Laws that came straight from tests are scaled along warp and weft.
-        self.names, self.scales = (
-            (("warp", "weft"), (True, True)) if material is None else linear_of(material)
-        )
+        self.names, self.scales = (("warp", "weft"), (True, True)) if material is None else linear_of(material)
         # What the files are warned of was said when the document was made.
         self.job = replace(job, console=Listener())
         self.files = read_files(self.job, case)
@@ -254,9 +248,7 @@ class Forward:
                 better = finest
                 # By how much is no straight line in what was added: half of it too.
                 half = 0.5 * (settings + [axis.base for axis in draped.kriged.axes])
-                better = problem.on(
-                    replace(finest.draped, finer=(*finest.draped.finer, self._finer(draped, half)))
-                )
+                better = problem.on(replace(finest.draped, finer=(*finest.draped.finer, self._finer(draped, half))))
         except NotConverged:
             pass
         return None if better is problem else better

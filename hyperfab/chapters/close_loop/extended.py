@@ -116,9 +116,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     own = dict(warp)
     if how is not None and not whole:
         warp, weft = (
-            _along_and_across(law, warp, form, values, problem)
-            if how.nearly
-            else (warp, how.weft(law, warp, values))
+            _along_and_across(law, warp, form, values, problem) if how.nearly else (warp, how.weft(law, warp, values))
         )
     for record in records:
         if record["id"] == "anisotropy" and how is not None and how.nearly:

@@ -168,19 +168,11 @@ class _Wider:
                     if factor == 1.0:
                         continue
                 zero, plain = self.reduced.reference_degC, self.problem.tables[f"{key}.{what}"]
-                beside = (
-                    np.array([zero - 50.0, zero])
-                    if bend == 0.0
-                    else np.arange(zero - 50.0, zero + 490.0, 10.0)
-                )
+                beside = np.array([zero - 50.0, zero]) if bend == 0.0 else np.arange(zero - 50.0, zero + 490.0, 10.0)
                 at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
-                scaled = (
-                    factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
-                )
+                scaled = factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
                 name = f".{what.replace('_', '-')}-{key}.csv"
-                self.files[name] = _csv(
-                    "temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled
-                )
+                self.files[name] = _csv("temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled)
                 self.mold["material"][key][what] = {"table": name}
 
     def heaters(self, given_off: Callable[[], Sequence[Table]]) -> None:
@@ -223,9 +215,7 @@ class _Wider:
         begin, later = self.document.run.start, self.own.get("run.start", 0.0)
         if not isinstance(begin, float):
             if later:
-                self.notes.append(
-                    f"run.start: the field it starts from was {later:.3g} K warmer, which is not written"
-                )
+                self.notes.append(f"run.start: the field it starts from was {later:.3g} K warmer, which is not written")
             return
         self.mold["run"]["start"] = f"{begin + later!r} degC"
         for index, part in enumerate(self.document.part):

@@ -200,9 +200,7 @@ def _relax(draft: _Draft, at: Mapping[str, float]) -> None:
     longest = max((float(np.max(one.time_s)) for one in readings if one.time_s is not None), default=60.0)
     dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{longest!r} s"
     seconds = quantity(dwell, "time")
-    lasting = [
-        s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)
-    ]
+    lasting = [s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)]
     faded, slow = at["share"], at.get("time_s")
     if slow is None or "power" in at:
         if slow is not None:
@@ -239,9 +237,7 @@ def _grow(draft: _Draft, at: Mapping[str, float]) -> None:
     for side, grown, extra in zip(("male", "female"), told.grown, more, strict=True):
         value = (grown.strain + extra) / (warm - told.reference)
         if value < 0.0:
-            draft.notes.append(
-                f"thermal-expansion: the {side} mold would shrink; its coefficient is taken as 0"
-            )
+            draft.notes.append(f"thermal-expansion: the {side} mold would shrink; its coefficient is taken as 0")
         section[side] = f"{max(value, 0.0)!r} 1/K"
     foam["expansion"] = section
 

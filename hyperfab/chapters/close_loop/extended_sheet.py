@@ -72,9 +72,7 @@ def extend_contact(
         own = np.asarray(fit.x[: fit.own - 1])
         slip = float(problem.sheet.slips(own, added, 1.0)[-1]) + problem.rim_slip
         amounts["slip"] = slip / problem.sheet.scale(own) - problem.rim_slip
-        notes.append(
-            "rim-slip: a clamp that holds at first is written as the spring that gives as much at the end"
-        )
+        notes.append("rim-slip: a clamp that holds at first is written as the spring that gives as much at the end")
     larger = replace(contact_applied(case, amounts), material=str(out.path(FABRIC)), against=None)
     if "thermal-softening" in fit.terms:
         _soften(fabric, problem, *fit.terms["thermal-softening"])
@@ -122,9 +120,7 @@ def extend_drape(
         larger = replace(larger, warp=warp, weft=weft, thickness=sheet.thickness)
         return Extension(larger, dict(zip(THREADS, laws, strict=True)), notes)
     fabric = scaled_material(material, {name: own[name] for name in problem.draped.names})
-    return Extension(
-        replace(larger, material=str(out.path(FABRIC))), {FABRIC: dump_json(fabric.to_json())}, notes
-    )
+    return Extension(replace(larger, material=str(out.path(FABRIC))), {FABRIC: dump_json(fabric.to_json())}, notes)
 
 
 def _thread(law: SpringLaw, factor: float) -> bytes:

@@ -107,9 +107,7 @@ def _unturn(measured: Measured) -> None:
     """Take simple shear for planar tension, which it is to a law that keeps its volume."""
     sheared = [test.source for test in measured.tests if test.mode == SIMPLE_SHEAR]
     if sheared:
-        measured.tests = [
-            test.in_planar_tension() if test.mode == SIMPLE_SHEAR else test for test in measured.tests
-        ]
+        measured.tests = [test.in_planar_tension() if test.mode == SIMPLE_SHEAR else test for test in measured.tests]
         measured.preparation.append(
             f"{', '.join(sheared)}: simple shear is taken as planar tension at the same principal stretches, its "
             "stress as that along them"
@@ -141,9 +139,7 @@ def pose(
     if document.effects:
         bare = fabric_problem(law, constants, tests.tests, weft=weft)
         stress = np.concatenate([test.stress for test in tests.tests])
-        context = DataContext(
-            law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0
-        )
+        context = DataContext(law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0)
         catalogue = {effect.id: effect for effect in entries(context)}
         held = held_terms(document, name, catalogue, context.path.knows_time)
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}

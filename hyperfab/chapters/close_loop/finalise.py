@@ -140,9 +140,7 @@ def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocum
     return NEGATIVE_VERDICT if found.verdict == "unexplained" else 0
 
 
-def ticking(
-    advance: Callable[[float, str], None], begun: float, refits: float = 40.0
-) -> Callable[[str], None]:
+def ticking(advance: Callable[[float, str], None], begun: float, refits: float = 40.0) -> Callable[[str], None]:
     """Return what moves the progress line on with every refit, from the share ``begun``: of about ``refits`` in all."""
     count = 0
 
@@ -199,8 +197,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     """
     target = str(out.path(".model.json"))
     files = {
-        suffix: noted(care, data) if suffix.endswith(".toml") else data
-        for suffix, data in extension.files.items()
+        suffix: noted(care, data) if suffix.endswith(".toml") else data for suffix, data in extension.files.items()
     }
     given = {str(out.path(suffix)): data for suffix, data in files.items()}
     notes = list(extension.notes)
@@ -217,8 +214,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     document = dict(made.document)
     tail: dict[str, Any] = {key: document.pop(key) for key in ("files", "provenance") if key in document}
     document["effects"] = [
-        {"id": one.id, "form": one.form, "parameters": one.parameters}
-        | ({"tentative": True} if one.tentative else {})
+        {"id": one.id, "form": one.form, "parameters": one.parameters} | ({"tentative": True} if one.tentative else {})
         for one in result.effects
     ]
     document["constants"] = result.constants.get("with_effects", {})

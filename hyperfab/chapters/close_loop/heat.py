@@ -183,8 +183,7 @@ def _with_held_faces(
     if not document.temperature:
         return document, builder
     films = [
-        ConvectionSection.model_construct(on=held.on, h=HOLDS, ambient=held.value)
-        for held in document.temperature
+        ConvectionSection.model_construct(on=held.on, h=HOLDS, ambient=held.value) for held in document.temperature
     ]
     changed = document.model_copy(update={"temperature": [], "convection": [*document.convection, *films]})
     other = MoldBuilder(changed, name, job.inputs)

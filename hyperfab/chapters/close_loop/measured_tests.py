@@ -94,23 +94,17 @@ def read_measured(
     every = _sound(every, found)
     told = {f"{test.source}: {key}" for test in every for key in states(test)}
     if told:
-        found.warnings.append(
-            f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on"
-        )
+        found.warnings.append(f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on")
     for test in every:
         if test.mode not in carries:
             kind = test.mode.replace("-", " ")
-            found.left_out[f"{test.source}: {kind} test, the model's law has no say in it"] += len(
-                test.stretch
-            )
+            found.left_out[f"{test.source}: {kind} test, the model's law has no say in it"] += len(test.stretch)
             found.warnings.append(f"{test.source} is left out: the model's law has no say in a {kind} test")
             continue
         factor = 1.0 / thickness if test.membrane and thickness else 1.0
         found.tests += _curves(test, factor, how.steps, found)
     if not found.tests:
-        raise InputError(
-            "has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests"
-        )
+        raise InputError("has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests")
     return found
 
 

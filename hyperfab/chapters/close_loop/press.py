@@ -140,9 +140,7 @@ def read_press(
         time = table.columns.get("time")
         order = np.argsort(table["stroke"], kind="stable")
         sd = spread(table, "force")
-        reading = Reading(
-            name, "force", table["force"], stroke=table["stroke"], time_s=time, temperature=temperature
-        )
+        reading = Reading(name, "force", table["force"], stroke=table["stroke"], time_s=time, temperature=temperature)
         return reading.rows(order), None if sd is None else sd[order]
     if "pressure" in table and "thickness" in table and "x" not in table:
         table = once(table, ("thickness", "thickness sd"), left_out)
@@ -167,9 +165,7 @@ def read_press(
     places = np.stack([table[axis] for axis in "xyz"], axis=1)
     if kind == "mounting":
         values = values - np.mean(values)
-    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(
-        table, kinds[0]
-    )
+    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(table, kinds[0])
 
 
 def _temperature(table: Table, name: str) -> float | None:
@@ -216,9 +212,7 @@ def pose(
     spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
     chosen = np.unique(np.concatenate([spare, *used]))
     placed = [
-        reading
-        if reading.corners is None
-        else replace(reading, corners=np.searchsorted(chosen, reading.corners))
+        reading if reading.corners is None else replace(reading, corners=np.searchsorted(chosen, reading.corners))
         for reading in placed
     ]
     problem = press_problem(
@@ -353,9 +347,7 @@ def noise_of(
 
     def rows_of(problem: PressProblem, one: Reading) -> NDArray[np.int64]:
         both = zip(problem.readings, problem.curves, strict=False)
-        mine = [
-            (np.arange(curve.start, curve.stop), part.index) for part, curve in both if part.name == one.name
-        ]
+        mine = [(np.arange(curve.start, curve.stop), part.index) for part, curve in both if part.name == one.name]
         rows, order = (np.concatenate([np.asarray(part[i]) for part in mine]) for i in (0, 1))
         return np.asarray(rows[np.argsort(order, kind="stable")])
 

@@ -86,9 +86,7 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
     if results[0] in _RANGED:
         ended = range_ended(table[results[0]])
         if np.any(ended) and any(np.ptp(table[way][ended]) > 0.0 for way in _WAYS if way in table):
-            gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(
-                np.sum(ended)
-            )
+            gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(np.sum(ended))
             table = _rows(table, np.flatnonzero(~ended))
     table = replace(table, left_out=dict(gone))
     if left_out is not None:

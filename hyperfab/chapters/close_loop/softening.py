@@ -50,8 +50,7 @@ def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) ->
     for place, way in ((result, "warp"), *((one, way) for way, one in (result.directions or {}).items())):
         place.parameters = times(place.parameters, way)
         place.temperatures = [
-            row.model_copy(update={"parameters": times(row.parameters, way)})
-            for row in place.temperatures or []
+            row.model_copy(update={"parameters": times(row.parameters, way)}) for row in place.temperatures or []
         ] or None
     return result
 
@@ -97,9 +96,7 @@ def _at(
     return nearest(law, pull, own, {"thermal-softening": (form, np.array(values))})
 
 
-def nearest(
-    law: Law, pull: Path, own: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]
-) -> dict[str, float]:
+def nearest(law: Law, pull: Path, own: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
     """Return the constants with which the law alone comes nearest, over a uniaxial pull, to the law with ``terms``."""
     constants = np.array([own[name] for name in law.names])
     stress = Fabric(law, pull, 0.0).stress(constants, None, terms)

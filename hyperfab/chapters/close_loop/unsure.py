@@ -49,9 +49,7 @@ def unsure_mold(plain: Any, share: float) -> Any:
     for known, size in ((_SHARES, f"{100.0 * share:g} %"), (_KELVINS, f"{_ROOM:g} K")):
         for section, keys in known.items():
             given = found.get(section, {})
-            for entry in (
-                given if isinstance(given, list) else given.values() if section == "material" else [given]
-            ):
+            for entry in given if isinstance(given, list) else given.values() if section == "material" else [given]:
                 for key in keys:
                     text = entry.get(key)
                     if isinstance(text, str) and "+-" not in text and "±" not in text:

@@ -196,9 +196,7 @@ def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
             if getattr(corrected.command, one.name) == link.document
         }
         command = replace(corrected.command, **changed)
-    shown = [
-        relative_name(word, name) if os.path.exists(word) or word == name else word for word in words(command)
-    ]
+    shown = [relative_name(word, name) if os.path.exists(word) or word == name else word for word in words(command)]
     return os.path.basename(name), shlex.join(["hf", command.COMMAND, *shown])
 
 
@@ -227,9 +225,7 @@ def _say(told: Upstream) -> list[str]:
     if told.verdict == "ambiguous":
         checks = {one.chapter: one.shown_by for one in told.chapters}
         ways = "; ".join(f"{name}: {checks[name]}" for name in told.indistinguishable if name in checks)
-        lines = [
-            f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."
-        ]
+        lines = [f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."]
         begins = f"if {likely.chapter} is off ({_percent(likely.probability)})"
     text = (
         f"Upstream: {begins}, it is most of all {how.name}, by {how.change:.3g} ± {how.sd:.2g}; the chain, run anew, "

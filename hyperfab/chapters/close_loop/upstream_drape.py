@@ -46,9 +46,7 @@ class DrapeChain:
         self.forward, self.problem, self.share = forward, problem, share
         self.left_out = ["the mold: its surface is taken as it is drawn"]
         if forward.material is None:
-            self.left_out.append(
-                "fabric: tests that are taken as laws as they stand; hf fit makes a document of them"
-            )
+            self.left_out.append("fabric: tests that are taken as laws as they stand; hf fit makes a document of them")
 
     def _chapters(self) -> dict[str, list[Moved]]:
         draped, material = self.problem.draped, self.forward.material

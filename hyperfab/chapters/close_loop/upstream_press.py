@@ -126,9 +126,7 @@ class PressChain:
         molds = {name: self._made(MoldCase, name) for name in sides}
         alone = len({made.mold for made in molds.values()}) == 1
         for name, made in molds.items():
-            found.append(
-                _Behind(name, made, made.mold, "temperature" if alone else f"{sides[name]} temperature")
-            )
+            found.append(_Behind(name, made, made.mold, "temperature" if alone else f"{sides[name]} temperature"))
         return found
 
     def _made(self, cls: Any, name: str) -> Any:
@@ -138,11 +136,7 @@ class PressChain:
         """Return a document made anew from a source that states how unsure it is, and its field: files by name."""
         plain = self.job.inputs.plain(one.source)
         fabric = one.chapter == "fabric"
-        source = (
-            dump_json(unsure_fabric(plain, self.share))
-            if fabric
-            else dump_toml(unsure_mold(plain, self.share))
-        )
+        source = dump_json(unsure_fabric(plain, self.share)) if fabric else dump_toml(unsure_mold(plain, self.share))
         return {one.source: source} | _made_again(one, {one.source: source}, "linear")
 
     def _own(self) -> None:
@@ -237,9 +231,7 @@ class PressChain:
         command = next((one.case for one in self.behind if one.chapter == link.name), case)
         return Corrected(case, written, document, command)
 
-    def _put_right(
-        self, one: _Behind, numbers: Sequence[Number], change: Array, written: Mapping[str, bytes]
-    ) -> bytes:
+    def _put_right(self, one: _Behind, numbers: Sequence[Number], change: Array, written: Mapping[str, bytes]) -> bytes:
         """Return the document behind a field, as ``written`` so far, with the numbers changed that it hands on."""
         unsure = self.quiet.inputs
         if one.chapter == "fabric":

@@ -51,9 +51,7 @@ def in_terms(document: MaterialDocument, name: str, tests: Sequence[TestCurve]) 
     else:
         found.model, found.parameters = law.name, ground
     if "nu" in has:
-        records.append(
-            {"id": "compressibility", "form": "uniform", "parameters": {"nu": sheet.parameters["nu"]}}
-        )
+        records.append({"id": "compressibility", "form": "uniform", "parameters": {"nu": sheet.parameters["nu"]}})
     found.effects = records + (document.effects or [])
     return found
 

@@ -87,14 +87,11 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
             f"the noise is {found.noise.source}: the verdict rests on it; state it with --noise, or read more rows"
         )
     if found.worse:
-        told.append(
-            f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more"
-        )
+        told.append(f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more")
     told += [text for text in (caution(found),) if text]
     told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(found)]
     told += [
-        f"{what} is held at what nature allows: these data ask for more than that"
-        for what in _walls(problem, found)
+        f"{what} is held at what nature allows: these data ask for more than that" for what in _walls(problem, found)
     ]
     told += another_unit(problem)
     if document.verdict == "unexplained":
@@ -172,9 +169,7 @@ def strange_probes(problem: Problem) -> list[str]:
     if "probe" not in problem.states or len(problem.curves) < 3:
         return []
     given = delivered_of(problem)
-    moved = np.array(
-        [[np.ptp(row[curve.rows]) for curve in problem.curves] for row in (problem.measured, given)]
-    )
+    moved = np.array([[np.ptp(row[curve.rows]) for curve in problem.curves] for row in (problem.measured, given)])
     beside = moved[0] / np.maximum(moved[1], 1e-12)
     beside /= max(float(np.median(beside)), 1e-12)
     return [
@@ -191,14 +186,8 @@ def _how_far(document: LoopDocument) -> str:
     noise = f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}"
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
-    given = (
-        ""
-        if error.delivered is None
-        else f"As delivered the model misses by {_size(error.delivered, unit)}. "
-    )
-    refitted = (
-        f"With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
-    )
+    given = "" if error.delivered is None else f"As delivered the model misses by {_size(error.delivered, unit)}. "
+    refitted = f"With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
     return given + refitted
 
 
@@ -312,9 +301,7 @@ def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> li
     ]
     if document.something_else is not None and document.something_else > 0.5 and found.added:
         names = " and ".join(found.added)
-        lines.append(
-            f"That something else is lacking is likelier ({document.something_else:.0%}) than {names}."
-        )
+        lines.append(f"That something else is lacking is likelier ({document.something_else:.0%}) than {names}.")
     lines.append(_where(problem, found))
     if document.residual.suggestion:
         left, share = document.residual, document.residual.suggestion_share or 0.0
@@ -341,11 +328,7 @@ def _where(problem: Problem, found: Finding) -> str:
     if "time_s" in problem.states:
         times[problem.channel == 0] = problem.states["time_s"]
     swing = period(found.after.fit.residual[worst.rows], times[worst.rows])
-    return (
-        f"{told}."
-        if swing is None
-        else f"{told}; it swings there once in {swing[0]:.3g} s ({swing[1]:.0%} of it)."
-    )
+    return f"{told}." if swing is None else f"{told}; it swings there once in {swing[0]:.3g} s ({swing[1]:.0%} of it)."
 
 
 def _at_bounds(found: Finding) -> list[str]:
@@ -376,9 +359,7 @@ def _doubts(found: Finding) -> list[str]:
     if found.doubted:
         seen = f"a little more than the {share:.2g} % in stiffness seen here"
         how = seen if share and not found.assumed else "as those of one cloth do"
-        return [
-            f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"
-        ]
+        return [f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"]
     if found.verdict == "noise" and share:
         return [
             f"Tests that differ in stiffness by the {share:.2g} % that specimens scatter by count as noise. Should "

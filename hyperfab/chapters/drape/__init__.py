@@ -56,9 +56,7 @@ def _origins(job: Job, case: DrapeCase) -> Origins:
     """Return what the inputs say of how sure they are."""
     found = origins(job.inputs, case, {} if case.material is None else {case.material: case.temperature})
     curves = [name for name in (case.warp, case.weft, case.shear_law) if name is not None]
-    found.left_out += [
-        f"{os.path.basename(name)}: how far specimens differ" for name in curves if found.found
-    ]
+    found.left_out += [f"{os.path.basename(name)}: how far specimens differ" for name in curves if found.found]
     return found
 
 

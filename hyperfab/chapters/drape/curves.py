@@ -92,9 +92,7 @@ def _one_direction(tests: list[TestData], option: str, name: str, direction: flo
                 remedy="exchange the files, or correct the direction the file states",
             )
         if test.temperature_degC is not None and np.ptp(test.temperature_degC) > ONE_TEMPERATURE:
-            raise InputError(
-                "holds tests at several temperatures", file=name, remedy="give a file of one temperature"
-            )
+            raise InputError("holds tests at several temperatures", file=name, remedy="give a file of one temperature")
     if len({test.membrane for test in tests}) > 1:
         raise InputError("mixes stress and force per width", file=name, remedy="state the thickness of all")
 

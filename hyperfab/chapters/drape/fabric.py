@@ -97,9 +97,7 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
             key="thickness",
             remedy="give --thickness",
         )
-    thick = (
-        given or (fabric and fabric.thickness) or (float(np.mean(list(known.values()))) if known else None)
-    )
+    thick = given or (fabric and fabric.thickness) or (float(np.mean(list(known.values()))) if known else None)
     if thick is None:
         thick = USUAL_THICKNESS
         told = name or case.warp or case.weft
@@ -133,9 +131,7 @@ def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
         if not effect.get("told_by") and effect.get("id") not in ("elastic-law", "thermal-softening")
     ]
     if untold and case.sheet == "net":
-        job.console.warn(
-            f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull"
-        )
+        job.console.warn(f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull")
     whole, ways = read.sheet(), []
     for direction, angle in (("warp", 0.0), ("weft", 90.0)):
         own = direction in (document.directions or {})
@@ -156,9 +152,7 @@ def _law(material: Pulled, name: str, key: str) -> SpringLaw:
     try:
         return spring_law(material)
     except ValueError as error:
-        raise InputError(
-            str(error), file=name, key=key, remedy="fit the fabric again with --stable"
-        ) from None
+        raise InputError(str(error), file=name, key=key, remedy="fit the fabric again with --stable") from None
 
 
 def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[SpringUse, SpringUse]:
@@ -177,9 +171,7 @@ def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[Sp
                 model=way.model,
                 stretch_max=largest,
                 tested_stretch_max=tested,
-                beyond_tested=None
-                if tested is None
-                else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
+                beyond_tested=None if tested is None else int(np.count_nonzero(stretch > tested * (1.0 + 1e-9))),
                 softens_at=law.softens if softens else None,
                 ends_at=law.largest_stretch if locks else None,
                 fails_at=way.fails if way.fails is not None and largest > way.fails else None,

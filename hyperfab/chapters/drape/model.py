@@ -51,9 +51,7 @@ NET = (
 
 
 #: What a membrane is without on a mold that has them.
-EDGES = (
-    "the angle between warp and weft in cells folded over sharp edges of the mold: it is that of their chords"
-)
+EDGES = "the angle between warp and weft in cells folded over sharp edges of the mold: it is that of their chords"
 
 
 @dataclass(frozen=True)
@@ -132,9 +130,7 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
     flat = {}
     for k, name in enumerate("xyz"):
         for sign, plane in (("-", low[k]), ("+", high[k])):
-            on = (np.abs(corners[:, :, k] - plane).max(1) < 1e-6 * sides.max()) & (
-                np.abs(normals[:, k]) > 0.999
-            )
+            on = (np.abs(corners[:, :, k] - plane).max(1) < 1e-6 * sides.max()) & (np.abs(normals[:, k]) > 0.999)
             flat[name + sign] = float(areas[on].sum())
     best = max(flat, key=lambda side: flat[side])
     if best[0] != "z" and flat[best] > 1.5 * max(flat["z-"], flat["z+"]):

@@ -222,11 +222,7 @@ def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
         spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
         if document.stands_through_mm > THROUGH * spacing:
             x, y = document.stands_through_at_mm.flat
-            odd = (
-                ", or an odd one, which has a node in its middle"
-                if min(k % 2 for k in document.grid) == 0
-                else ""
-            )
+            odd = ", or an odd one, which has a node in its middle" if min(k % 2 for k in document.grid) == 0 else ""
             job.console.warn(
                 f"the mold stands {document.stands_through_mm:.3g} mm out through the net, between the nodes about "
                 f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid{odd}"

@@ -32,9 +32,7 @@ from hyperfab.numerics.threads import side_by_side
 def run(job: Job, case: ContactCase) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
     out = job.opened(job.target, (".vtu", ".csv", ".png"))
-    fabrics = [
-        read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None
-    ]
+    fabrics = [read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None]
     geometry = read_geometry(job, case)
     setup = setup_of(case, geometry, fabrics[0])
     out.refuse_inputs(job.inputs)
@@ -44,9 +42,7 @@ def run(job: Job, case: ContactCase) -> int:
     instabilities = [first_instability(outcome) for outcome in outcomes]
     found = document(setup, fabrics, outcomes, instabilities)
     if not outcomes[0].solved:
-        raise NotConverged(
-            status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth"
-        )
+        raise NotConverged(status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth")
     for fabric, outcome in zip(fabrics, outcomes, strict=True):
         if outcome.solved:
             last = outcome.solved[-1]
@@ -83,14 +79,8 @@ def run(job: Job, case: ContactCase) -> int:
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
     tests = [setup.test(fabric) for fabric in fabrics]
     seen = [0]
-    expected = (
-        2
-        * len(tests)
-        * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
-    )
-    with job.console.progress(
-        "Pressing the punch in" if setup.case.punch else "Pressing the sphere in"
-    ) as advance:
+    expected = 2 * len(tests) * (max(len(setup.depths), LOAD_STEPS) if setup.friction.remembers else len(setup.depths))
+    with job.console.progress("Pressing the punch in" if setup.case.punch else "Pressing the sphere in") as advance:
 
         def watch(state: State) -> None:
             seen[0] += 1

@@ -40,9 +40,7 @@ class Beside(Nearby):
 
     samples = 400
 
-    def __init__(
-        self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins
-    ) -> None:
+    def __init__(self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins) -> None:
         self._job, self._case, self._geometry, self._origins = job, case, geometry, origins
         self._near = Neighbourhood(solved)
         self._moves: list[Array] = []
@@ -87,9 +85,7 @@ class Beside(Nearby):
         return setup.test(fabric), setup.depths[-1]
 
 
-def beside(
-    job: Job, case: ContactCase, geometry: Geometry, outcome: Outcome, origins: Origins
-) -> Beside | None:
+def beside(job: Job, case: ContactCase, geometry: Geometry, outcome: Outcome, origins: Origins) -> Beside | None:
     """Return the neighbours of a test's last equilibrium; None where they hang on the way, or have another mesh, or
     where the machine yields, so that the punch is not as deep."""
     solved = outcome.solved[-1]

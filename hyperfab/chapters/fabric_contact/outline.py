@@ -48,9 +48,7 @@ def read_outline(job: Job, name: str, unit: str, size: float | None) -> Polygon:
         flat[used] = _flat(found.points[used] * float(column_factor(unit, "length")[0]), name)
         loop = _loop(flat, found.edges, name)
     else:
-        raise UsageError(
-            f"--shape {name}: disc, square, or a file of STL, CSV (x, y) or {', '.join(SUFFIXES)}"
-        )
+        raise UsageError(f"--shape {name}: disc, square, or a file of STL, CSV (x, y) or {', '.join(SUFFIXES)}")
     return _checked(loop, name, size)
 
 
@@ -144,6 +142,4 @@ def _between(loop: Array) -> NDArray[np.bool_]:
     back, on = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     turn = back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0]
     forward = (back * on).sum(axis=1) > 0.0
-    return np.asarray(
-        (np.abs(turn) <= 1e-9 * np.linalg.norm(back, axis=1) * np.linalg.norm(on, axis=1)) & forward
-    )
+    return np.asarray((np.abs(turn) <= 1e-9 * np.linalg.norm(back, axis=1) * np.linalg.norm(on, axis=1)) & forward)

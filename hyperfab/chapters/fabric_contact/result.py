@@ -65,9 +65,7 @@ def _half_thickness(setup: Setup) -> list[str]:
         return []
     half = 0.5 * setup.thickness
     share = 100.0 * half / setup.radius
-    return [
-        f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"
-    ]
+    return [f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"]
 
 
 def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
@@ -79,9 +77,7 @@ def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
             f"(stretches {unstable.stretches[0]:.3f} and {unstable.stretches[1]:.3f})"
         )
     if outcome.path.jumps:
-        words.append(
-            ", ".join(f"the sheet snaps between {a:.2f} and {b:.2f} mm" for a, b in outcome.path.jumps)
-        )
+        words.append(", ".join(f"the sheet snaps between {a:.2f} and {b:.2f} mm" for a, b in outcome.path.jumps))
     if outcome.path.limit:
         words.append(outcome.path.limit.reason)
     return "; ".join(words) or None
@@ -153,9 +149,7 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
         )
 
 
-def _compare(
-    found: ContactDocument, fabric: Fabric, outcomes: Sequence[Outcome], unstable: Instability | None
-) -> None:
+def _compare(found: ContactDocument, fabric: Fabric, outcomes: Sequence[Outcome], unstable: Instability | None) -> None:
     other = outcomes[1]
     limit = other.path.limit
     part = OtherPart(
@@ -172,9 +166,7 @@ def _compare(
         part.force_N = last.state.force
         part.stretch_max, part.stress_max_MPa = float(smooth.stretch.max()), float(smooth.cauchy.max())
     found.against = part
-    pairs = [
-        (a, b) for a in outcomes[0].solved for b in other.solved if a.press.sheet.mesh is b.press.sheet.mesh
-    ]
+    pairs = [(a, b) for a in outcomes[0].solved for b in other.solved if a.press.sheet.mesh is b.press.sheet.mesh]
     if pairs:
         a, b = pairs[-1]
         found.compared_at_depth_mm = a.state.depth

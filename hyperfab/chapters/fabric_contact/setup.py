@@ -122,9 +122,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
             outline = whole
     mesh = case.mesh_size or _MESH * narrow / 2
     if not narrow / 400 <= mesh <= narrow / 6:
-        raise UsageError(
-            f"--mesh-size {mesh:g}mm: between {narrow / 400:.3g}mm and {narrow / 6:.3g}mm for this sheet"
-        )
+        raise UsageError(f"--mesh-size {mesh:g}mm: between {narrow / 400:.3g}mm and {narrow / 6:.3g}mm for this sheet")
     return Setup(case, geometry, outline, thickness, radius, mesh)
 
 

@@ -140,9 +140,7 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         if isinstance(one, TestFigures)
     ]
     _tell_data(job, document, describe.table([*named, "test", "rel. rms", "NRMSE", "rows"], rows))
-    if case.model in ORDERS and not any(
-        (c.stretch < 1.0).any() for c in fit.curves if c.mode != "simple-shear"
-    ):
+    if case.model in ORDERS and not any((c.stretch < 1.0).any() for c in fit.curves if c.mode != "simple-shear"):
         job.console.warn(
             "no row presses the foam: all count as pulled, and its law in compression is a guess; where they were "
             'pressed, let --columns or the table say so, as "compressive strain [-]" and "compressive stress [MPa]"'
@@ -152,9 +150,7 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
         )
     for curve, known in fit.ranges(document):
-        job.ranges.used(
-            "stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name
-        )
+        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name)
 
     def beside() -> dict[str, bytes]:
         found = {".csv": fit.curves_csv(), ".png": fit.picture()}
@@ -210,13 +206,9 @@ def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:
     wanted = [word.strip() for word in fit_on.split(",") if word.strip()]
     found: list[str] = []
     for word in wanted:
-        same = [
-            mode for mode in readings.modes if mode.removesuffix("-general") == word.removesuffix("-general")
-        ]
+        same = [mode for mode in readings.modes if mode.removesuffix("-general") == word.removesuffix("-general")]
         if not same:
-            raise UsageError(
-                f"--fit-on {fit_on}: no {word} test is given; there is {', '.join(readings.modes)}"
-            )
+            raise UsageError(f"--fit-on {fit_on}: no {word} test is given; there is {', '.join(readings.modes)}")
         found += [mode for mode in same if mode not in found]
     if not found:
         raise UsageError("--fit-on: name at least one test, as uniaxial,shear")
@@ -228,9 +220,7 @@ def _sets(readings: Readings) -> Sets:
 
     A test without a direction belongs to each.
     """
-    names = list(
-        dict.fromkeys(curve.direction_name for curve in readings.curves if curve.direction_name is not None)
-    )
+    names = list(dict.fromkeys(curve.direction_name for curve in readings.curves if curve.direction_name is not None))
     if len(names) < 2:
         return {None: readings.curves}
     return {
@@ -284,9 +274,7 @@ def _document(
         temperature_degC=whole.temperatures[whole.reference],
         directions=directions or None,
         temperatures=describe.temperatures(whole),
-        fit=describe.with_outliers(
-            describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)
-        ),
+        fit=describe.with_outliers(describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)),
         stability=describe.stability(whole, data_reach),
         stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
@@ -339,9 +327,7 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
     for one in judged:
         cells = describe.figures_cells(_written(one))
         unseen = f"{one.carry_over:.4g}" if one.carry_over < 1e300 else "-"
-        flags = (
-            ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
-        )
+        flags = ["-", "-"] if one.failure else ["yes" if one.stable else "no", "yes" if one.accepted else "no"]
         rows.append([one.law.name, *cells, unseen, *flags])
     _tell_data(job, document, describe.table(columns, rows))
     degrees = sorted({t for part in judged[0].results.values() if isinstance(part, Identified)

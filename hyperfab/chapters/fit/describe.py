@@ -63,9 +63,7 @@ def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDoc
     if bulk is not None:  # no law of a sheet takes part in that; that of a foam has figures of its own there
         ratio = np.concatenate([test.stretch for test in readings.volumetric])
         low, high = min(1.0, float(ratio.min())), max(1.0, float(ratio.max()))
-        own["fit"].tests.setdefault(
-            "volumetric", TestFigures(**vars(bulk), stretch_min=low, stretch_max=high)
-        )
+        own["fit"].tests.setdefault("volumetric", TestFigures(**vars(bulk), stretch_min=low, stretch_max=high))
     return MaterialDocument(
         thickness_mm=readings.thickness,
         thickness_nominal=readings.nominal or None,
@@ -92,9 +90,7 @@ def uncertainty(sure: Certainty, specimens: int) -> FitUncertainty:
         source="specimens" if one is not None else "readings" if covariance is None else "stated",
         parts=None
         if one is None or len(one.parts) < 2
-        else [
-            ScatterPart(covariance=part.tolist(), degrees_of_freedom=freedom) for part, freedom in one.parts
-        ],
+        else [ScatterPart(covariance=part.tolist(), degrees_of_freedom=freedom) for part, freedom in one.parts],
     )
 
 

@@ -50,12 +50,8 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             )
         sure = part.certainty
         weak = [
-            f"{constant} ± {100 * sd / abs(value):.0f} %"
-            if determined(value, sd)
-            else f"{constant} not at all"
-            for constant, value, sd in zip(
-                sure.names, part.material.parameters.values(), sure.sd, strict=True
-            )
+            f"{constant} ± {100 * sd / abs(value):.0f} %" if determined(value, sd) else f"{constant} not at all"
+            for constant, value, sd in zip(sure.names, part.material.parameters.values(), sure.sd, strict=True)
             if value != 0.0 and sd > 0.5 * abs(value)
         ]
         if weak:
@@ -77,9 +73,7 @@ def _near_zero(part: Identified, curves: Sequence[TestCurve], setting: Setting, 
     if not setting.relative or setting.noise is not None:
         return []
     rows, leverage = part.fit.problem.rows, part.certainty.leverage
-    noise = np.array(
-        [scatter(one.stress) if len(one.stress) >= DENSE else 0.0 for one in setting.used(curves)]
-    )
+    noise = np.array([scatter(one.stress) if len(one.stress) >= DENSE else 0.0 for one in setting.used(curves)])
     own = noise[rows.curve]
     near = np.abs(rows.stress) < NOISY * own
     others = ~near & (own > 0.0)

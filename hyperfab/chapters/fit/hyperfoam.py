@@ -65,10 +65,7 @@ class FoamFit(WholeFit[Hyperfoam]):
             if mode in ("biaxial-general", "volumetric", "simple-shear"):
                 continue
             own = np.concatenate([c.stretch for c in self.curves if c.mode == mode])
-            ends = [
-                self._stable_end(mode, end)
-                for end in (min(float(own.min()), 1.0), max(float(own.max()), 1.0))
-            ]
+            ends = [self._stable_end(mode, end) for end in (min(float(own.min()), 1.0), max(float(own.max()), 1.0))]
             (low, low_ok), (high, high_ok) = ends
             found[mode] = StableRange(
                 stretch_min=low,
@@ -95,11 +92,7 @@ class FoamFit(WholeFit[Hyperfoam]):
         stretch = np.exp(np.linspace(0.0, far, _SCAN))
         with np.errstate(all="ignore"):
             good = self.law.stable(Rows.of(mode, stretch).strain(self.law))
-        return (
-            (float(stretch[-1]), True)
-            if good.all()
-            else (float(stretch[max(int(np.argmin(good)) - 1, 0)]), False)
-        )
+        return (float(stretch[-1]), True) if good.all() else (float(stretch[max(int(np.argmin(good)) - 1, 0)]), False)
 
     def document(self, readings: Readings) -> MaterialDocument:
         return document_of(
@@ -133,11 +126,7 @@ class FoamFit(WholeFit[Hyperfoam]):
         which share of its peak it was levelled; None where a law has it."""
         if self.flat is None:
             return None
-        own = [
-            c
-            for c in self.setting.used(self.curves)
-            if c.temperature in (self.temperatures[self.reference], None)
-        ]
+        own = [c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[self.reference], None)]
         mode = self.flat.mode if any(c.mode == self.flat.mode for c in own) else own[0].mode
         strain, stress, levelled = table_of(own, mode)
         return table_csv(strain, stress), levelled
@@ -186,8 +175,7 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     reference = reference_of(temperatures)
     first = identify(_tests(used, temperatures[reference]), terms)
     laws = [
-        first if k == reference else identify(_tests(used, t), terms, near=first)
-        for k, t in enumerate(temperatures)
+        first if k == reference else identify(_tests(used, t), terms, near=first) for k, t in enumerate(temperatures)
     ]
     # Poisson's ratios at the end of their range or below zero, and no lateral stretch read: the tests say little of
     # the sides.
@@ -217,11 +205,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
     """
     own = [curve for curve in curves if curve.temperature in (temperature, None)]
     split = [
-        part
-        for c in own
-        for side in ("compression", "tension")
-        for part in _side([c], side)
-        if c.mode == "uniaxial"
+        part for c in own for side in ("compression", "tension") for part in _side([c], side) if c.mode == "uniaxial"
     ]
     split += [c for c in own if c.mode != "uniaxial"]
     found = []
@@ -234,9 +218,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
         weighed = replace(curve, weight=weight * share, weight2=weight2)
         found.append(weighed)
         if curve.mode == "biaxial-general" and curve.stretch2 is not None and curve.stress2 is not None:
-            found.append(
-                replace(weighed, stretch=curve.stretch2, stretch2=curve.stretch, stress=curve.stress2)
-            )
+            found.append(replace(weighed, stretch=curve.stretch2, stretch2=curve.stretch, stress=curve.stress2))
     return found
 
 

@@ -113,8 +113,7 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     if setting.stable and not stable:
         return "no constants in its box could be shown to be stable over the data"
     per_temperature = [
-        figures(measured[own], model[own], floor[own])
-        for own in (rows.group == g for g in range(rows.groups))
+        figures(measured[own], model[own], floor[own]) for own in (rows.group == g for g in range(rows.groups))
     ]
     specimens, kinds = [specimen_of(one) for one in used], [kind_of(one) for one in used]
     deviation = _stated(used, setting)
@@ -137,9 +136,7 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
     return found
 
 
-def along_direction(
-    found: Identified, name: str, curves: Sequence[TestCurve], setting: Setting
-) -> Identified:
+def along_direction(found: Identified, name: str, curves: Sequence[TestCurve], setting: Setting) -> Identified:
     """Return an anisotropic law as seen along one direction of the fabric, with the figures of its tests alone."""
     sure, materials = found.certainties, found.materials
     if name == "weft":
@@ -168,9 +165,7 @@ def along_direction(
     return part if total is None else replace(part, total=total)
 
 
-def without_test(
-    found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting
-) -> Figures | None:
+def without_test(found: Identified, mode: str, curves: Sequence[TestCurve], setting: Setting) -> Figures | None:
     """Return how constants fitted without the test ``mode``, near those of all, predict it; None if they cannot."""
     rest = [curve for curve in setting.used(curves) if curve.mode != mode]
     temperatures = temperatures_of(rest)
@@ -186,24 +181,15 @@ def without_test(
     )
     if fit is None:
         return None
-    again = replace(
-        found, materials=fit.materials, temperatures=temperatures, reference=reference_of(temperatures)
-    )
+    again = replace(found, materials=fit.materials, temperatures=temperatures, reference=reference_of(temperatures))
     return _test(again, mode, curves, setting)[0]
 
 
-def _rows(
-    used: Sequence[TestCurve], temperatures: Sequence[float | None], setting: Setting, law: Law
-) -> Rows:
+def _rows(used: Sequence[TestCurve], temperatures: Sequence[float | None], setting: Setting, law: Law) -> Rows:
     """Gather the rows to fit; linear constants are shared by the curves of one temperature."""
     reference = reference_of(temperatures)
-    groups = [
-        temperatures.index(curve.temperature) if curve.temperature is not None else reference
-        for curve in used
-    ]
-    return Rows.of(
-        [_weighted(curve, setting) for curve in used], groups, [_axis(law, curve) for curve in used]
-    )
+    groups = [temperatures.index(curve.temperature) if curve.temperature is not None else reference for curve in used]
+    return Rows.of([_weighted(curve, setting) for curve in used], groups, [_axis(law, curve) for curve in used])
 
 
 def predict(found: Identified, curve: TestCurve) -> tuple[Array, Array | None]:

@@ -155,9 +155,7 @@ def law_spread(ranking: Sequence[Judged], name: str | None) -> float | None:
     levels = np.linspace(0.02, 1.0, _LEVELS) * good[0].fit.problem.rows.extent.x
     stretch = {mode: stretch_at(mode, levels) for mode in MODES}
     with np.errstate(all="ignore"):
-        found = np.log(
-            [[nominal_stress(part.material, mode, lam) for mode, lam in stretch.items()] for part in good]
-        )
+        found = np.log([[nominal_stress(part.material, mode, lam) for mode, lam in stretch.items()] for part in good])
         away = np.sqrt(np.mean((found[1:] - found[0]) ** 2, axis=(1, 2)))
     known = away[np.isfinite(away)]
     return float(np.median(known)) if len(known) else None

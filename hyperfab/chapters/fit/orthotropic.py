@@ -63,9 +63,7 @@ class SheetFit(WholeFit[Orthotropic]):
     @property
     def directions(self) -> list[str]:
         """The directions the specimens were cut in, by name."""
-        return list(
-            dict.fromkeys(curve.direction_name for curve in self.curves if curve.direction_name is not None)
-        )
+        return list(dict.fromkeys(curve.direction_name for curve in self.curves if curve.direction_name is not None))
 
     @property
     def accepted(self) -> bool:
@@ -117,9 +115,7 @@ class SheetFit(WholeFit[Orthotropic]):
         return _predict(self.law_at(curve.temperature), curve)
 
     def _figures(self, curves: Sequence[TestCurve], turned: bool = False) -> FitFigures:
-        groups = {
-            mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)
-        }
+        groups = {mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)}
         figures = self.figures_of(curves, groups, (1.0,))
         self._sure(figures, self.reference, turned)
         if figures.uncertainty is not None:
@@ -136,9 +132,7 @@ class SheetFit(WholeFit[Orthotropic]):
         return figures
 
     def _fitted_at(self, number: int) -> list[TestCurve]:
-        return [
-            c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[number], None)
-        ]
+        return [c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[number], None)]
 
     def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
         """Note how sure the constants at one of the temperatures are."""
@@ -163,10 +157,7 @@ class SheetFit(WholeFit[Orthotropic]):
 
     def _stability(self, name: str | None, curves: Sequence[TestCurve]) -> dict[str, StableRange]:
         angle = angle_named(name) or 0.0
-        reach = {
-            mode: max((float(c.stretch.max()) for c in curves if c.mode == mode), default=None)
-            for mode in _MODES
-        }
+        reach = {mode: max((float(c.stretch.max()) for c in curves if c.mode == mode), default=None) for mode in _MODES}
         found = {}
         for mode, largest in reach.items():
             low, high, ended_by = stable_range(self.law, mode, angle, 3.0 * (largest or 1.0))
@@ -257,16 +248,12 @@ def along_axes(readings: Readings) -> list[TestCurve]:
     Their axes are those of the sheet whether or not the file says which is the warp; that it is taken so is said.
     """
     curves = [
-        replace(curve, direction=0.0)
-        if curve.mode == "biaxial-general" and curve.direction is None
-        else curve
+        replace(curve, direction=0.0) if curve.mode == "biaxial-general" and curve.direction is None else curve
         for curve in readings.curves
     ]
     taken = [new.source for new, old in zip(curves, readings.curves, strict=True) if new is not old]
     if taken:
-        readings.preparation.append(
-            f"{named(taken)}: no direction is stated, the first axis is taken as the warp"
-        )
+        readings.preparation.append(f"{named(taken)}: no direction is stated, the first axis is taken as the warp")
     return curves
 
 
@@ -299,9 +286,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Sett
     own = [curve for curve in curves if curve.temperature in (temperature, None)]
     found = []
     for curve in own:
-        alike = [
-            other for other in own if (other.mode, other.direction_name) == (curve.mode, curve.direction_name)
-        ]
+        alike = [other for other in own if (other.mode, other.direction_name) == (curve.mode, curve.direction_name)]
         second = curve.stress2 if curve.mode.startswith("biaxial") else None
         weight2 = None if second is None else _weight(curve, second, setting, alike)
         if curve.mode == "uniaxial" and curve.stretch2 is not None:
@@ -310,9 +295,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Sett
             largest = max(float(np.abs(width - 1.0).max()) for width in widths)
             weight2 = np.full(len(curve.stretch), 1.0 / max(largest, 1e-6))
         found.append(
-            replace(
-                curve, weight=_weight(curve, curve.stress, setting, alike), stress2=second, weight2=weight2
-            )
+            replace(curve, weight=_weight(curve, curve.stress, setting, alike), stress2=second, weight2=weight2)
         )
     return found
 

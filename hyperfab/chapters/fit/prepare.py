@@ -54,9 +54,7 @@ def stated(preload: str) -> tuple[float, str]:
             return quantity(preload, kind, option="--preload"), kind
         except UsageError:
             continue
-    raise UsageError(
-        f"--preload {preload}: write a stress, 0.002MPa, a force per width, 0.5 N/mm, or a force, 0.1N"
-    )
+    raise UsageError(f"--preload {preload}: write a stress, 0.002MPa, a force per width, 0.5 N/mm, or a force, 0.1N")
 
 
 def _preload_of(curve: TestData, preload: str) -> float:
@@ -106,16 +104,12 @@ def prepare(
         there = sorted({int(number) for curve in found for number in _numbered(curve)})
         remedy = f"there are cycles {there[0]} to {there[-1]}" if len(there) > 1 else "there is one cycle"
         reason = f"not cycle {steps.cycle}"
-        found = _select(
-            found, lambda curve: _of_cycle(curve, steps.cycle), left_out, reason, remedy, nothing_left
-        )
+        found = _select(found, lambda curve: _of_cycle(curve, steps.cycle), left_out, reason, remedy, nothing_left)
         told.append(f"cycle {steps.cycle} of each test")
     if steps.branch != "all":
         wanted = 1 if steps.branch == "load" else -1
         reason = f"not on the {steps.branch} branch"
-        found = _select(
-            found, lambda curve: branch_of(curve) == wanted, left_out, reason, nothing_left=nothing_left
-        )
+        found = _select(found, lambda curve: branch_of(curve) == wanted, left_out, reason, nothing_left=nothing_left)
         told.append(f"the {steps.branch} branch of each test")
     if steps.zero:
         found = [_zeroed(curve) for curve in found]
@@ -243,19 +237,13 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
     if start:
         left_out["slack, before the preload"] += start
     kept = curve.take(np.arange(start, len(curve.stretch)))
-    return _counted_from(
-        kept, there(curve.stretch), None if curve.stretch2 is None else there(curve.stretch2)
-    )
+    return _counted_from(kept, there(curve.stretch), None if curve.stretch2 is None else there(curve.stretch2))
 
 
 def _resampled(curve: TestData, points: int) -> TestData:
     """Return each branch as means of the readings around ``points`` stretches: every stretch counts the same."""
     branch = branch_of(curve)
-    parts = [
-        _means(curve.take(np.flatnonzero(branch == side)), points)
-        for side in (1, -1)
-        if (branch == side).any()
-    ]
+    parts = [_means(curve.take(np.flatnonzero(branch == side)), points) for side in (1, -1) if (branch == side).any()]
     if len(parts) == 1:
         return parts[0]
     first, second = parts

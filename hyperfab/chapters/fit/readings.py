@@ -95,9 +95,7 @@ def read_all(
     for test, group in files.items():
         for name in group:
             data = job.inputs.read(name)
-            found += read_tests(
-                data, name, test=test or None, geometry=geometry, columns=columns, clock=False
-            )
+            found += read_tests(data, name, test=test or None, geometry=geometry, columns=columns, clock=False)
     unused_columns(columns, found)
     lines = understood(found)
     job.console.note(*lines)
@@ -157,9 +155,7 @@ def gather(
         found.curves = [_without_zeros(curve, found.left_out, noise) for curve in found.curves]
     found.curves = [curve for curve in found.curves if len(curve.stretch)]
     if not found.curves:
-        raise InputError(
-            "no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?"
-        )
+        raise InputError("no row is left to fit", file=tests[0].source, remedy="is the stress zero in all rows?")
     # Pulls at several temperatures are no cycles of one test.
     apart = [test for _, test in split] + [test for test in sheets if test.mode not in kinds]
     found.warnings += remarks(apart, settled(steps))
@@ -214,9 +210,7 @@ def _temperatures(tests: Sequence[TestData]) -> list[Cluster]:
     return [(float(part[0]), float(part[-1]), round(float(part.mean()), 1)) for part in parts]
 
 
-def _by_temperature(
-    test: TestData, clusters: Sequence[Cluster]
-) -> list[tuple[float | None, NDArray[np.int64]]]:
+def _by_temperature(test: TestData, clusters: Sequence[Cluster]) -> list[tuple[float | None, NDArray[np.int64]]]:
     if test.temperature_degC is None:
         return [(None, np.arange(len(test.stretch)))]
     number = np.searchsorted([high for _, high, _ in clusters], test.temperature_degC)

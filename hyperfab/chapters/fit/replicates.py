@@ -118,8 +118,6 @@ def _kinds(
 
 def _loading(curves: Sequence[TestCurve]) -> _Loading:
     first = [curve.take(first_loading(curve.principal, curve.branch, curve.cycle)) for curve in curves]
-    stretch, stress = (
-        np.concatenate([getattr(one, name) for one in first]) for name in ("stretch", "stress")
-    )
+    stretch, stress = (np.concatenate([getattr(one, name) for one in first]) for name in ("stretch", "stress"))
     order = np.argsort(stretch, kind="stable")
     return stretch[order], stress[order]

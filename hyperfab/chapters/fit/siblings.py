@@ -33,9 +33,7 @@ _COLUMNS = (
 )
 
 
-def curves_csv(
-    told: Iterable[tuple[TestCurve, Answer]], fit_on: Sequence[str], without: Collection[str] = ()
-) -> bytes:
+def curves_csv(told: Iterable[tuple[TestCurve, Answer]], fit_on: Sequence[str], without: Collection[str] = ()) -> bytes:
     """Return every reading with what the law says beside it, less the columns ``without``."""
     rows = []
     for curve, (one, two, width) in told:

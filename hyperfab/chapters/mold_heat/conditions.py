@@ -65,9 +65,7 @@ class Placing:
             facets = self.facets_of(key, section.on)
             nodes = np.unique(self.operator(facets).nodes)
             found.append(
-                Prescribed(
-                    f"temperature {_label(section.on)}", nodes, self.functions[f"temperature.{number}"]
-                )
+                Prescribed(f"temperature {_label(section.on)}", nodes, self.functions[f"temperature.{number}"])
             )
             self._use(found[-1].name, self.faces.area(facets))
             masks.append((key, facets.mask))
@@ -131,9 +129,7 @@ class Placing:
             self._use(name, near.area)
         return conditions
 
-    def _films(
-        self, base: str, mask: Mask, made: Callable[[str, FacetOperator], Condition]
-    ) -> list[Condition]:
+    def _films(self, base: str, mask: Mask, made: Callable[[str, FacetOperator], Condition]) -> list[Condition]:
         """Return a condition on faces that see the air; where pieces lie it acts between them alone."""
         found: list[Condition] = []
         for name, mine in ((base, mask & ~self.covered), (f"{base}, between pieces", mask & self.covered)):
@@ -185,9 +181,7 @@ class Placing:
         if section.volume is not None:
             name = self._name("heater", [section.volume])
             assert power is not None or section.power is not None
-            return Heater(
-                name, np.zeros(len(self.mesh.points)), power or Table.constant(section.power or 0.0)
-            )
+            return Heater(name, np.zeros(len(self.mesh.points)), power or Table.constant(section.power or 0.0))
         operator = self.operator(by_key[f"heater.{number}.on"])
         name = self._name("heater", section.on or [])
         if section.flux is not None:

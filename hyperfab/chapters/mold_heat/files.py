@@ -42,9 +42,7 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
     if not history.ledger.entered:  # a steady state has no curves
         out.add(
             ".png",
-            heat_figure(
-                *_work_surface(problem, last.temperature), {}, np.zeros(0), None, "in the steady state"
-            ),
+            heat_figure(*_work_surface(problem, last.temperature), {}, np.zeros(0), None, "in the steady state"),
         )
         return
     ending = _field(problem, last.temperature, None)
@@ -110,9 +108,7 @@ def _history(problem: Problem, history: History) -> bytes:
     if problem.work_surface is not None:
         found = surface.of_all(problem.work_surface, history.states)
         header += [f"work_surface_{what}" for what in ("mean_degC", "min_degC", "max_degC", "spread_K")]
-        columns += [
-            np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")
-        ]
+        columns += [np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")]
     return csv_bytes(header, list(zip(*columns, strict=True)))
 
 

@@ -24,9 +24,7 @@ from hyperfab.thermal.remesh import laid_back, remesh_surface, standing_for
 from hyperfab.thermal.repair import crossing
 
 
-def geometry_of(
-    document: MoldDocument, name: str, inputs: Inputs, stl_unit: str, questions: list[str]
-) -> Geometry:
+def geometry_of(document: MoldDocument, name: str, inputs: Inputs, stl_unit: str, questions: list[str]) -> Geometry:
     """Return parts, cavities and the face patches that conditions name; STL files are read here.
 
     Doubts about STL files are added to ``questions``.

@@ -65,9 +65,7 @@ class Beside(Nearby):
         # What the basis leaves out is the same for all: they count from the run itself.
         self._off: Figures = {}
         base = self.at({})
-        self._off = {
-            name: self.value[name] - value for name, value in base.figures.items() if name in self.value
-        }
+        self._off = {name: self.value[name] - value for name, value in base.figures.items() if name in self.value}
 
     def blur(self, name: str) -> float:
         """Return below which difference [K] two temperatures are one, 0 for other figures."""
@@ -80,10 +78,7 @@ class Beside(Nearby):
             smooth, coordinates = self._run(changes, amounts, guess)
         else:
             smooth, coordinates = self._split(guess)
-        found = {
-            name: value + self._off.get(name, 0.0)
-            for name, value in self._figures(smooth, coordinates).items()
-        }
+        found = {name: value + self._off.get(name, 0.0) for name, value in self._figures(smooth, coordinates).items()}
         field = self.near.lift.nodal(coordinates)
         return Answer(found, {"temperature_degC": field[: self.problem.mesh.solid]})
 

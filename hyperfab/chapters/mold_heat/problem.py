@@ -79,9 +79,7 @@ class MoldBuilder:
         self.functions = self._read_functions()
         self.geometry = geometry_of(document, name, inputs, stl_unit, self.doubts)
         start = document.run.start
-        self.earlier = (
-            earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
-        )
+        self.earlier = earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
 
     def build(
         self,
@@ -249,9 +247,7 @@ class MoldBuilder:
             if heater.schedule is not None:
                 timed[f"heater.{i}"] = self.tables.file(heater.schedule, "power", "time")
                 if heater.power is not None:
-                    self.doubts.append(
-                        f"heater.{i}: its schedule says the power, power beside it is not used"
-                    )
+                    self.doubts.append(f"heater.{i}: its schedule says the power, power beside it is not used")
         for i, contact in enumerate(document.contact):
             if contact.schedule is not None:
                 timed[f"contact.{i}"] = self.tables.file(contact.schedule, "dimensionless", "time")

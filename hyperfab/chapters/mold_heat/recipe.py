@@ -120,9 +120,7 @@ def _origins(job: Job, case: MoldCase, builder: MoldBuilder) -> Origins:
     return found
 
 
-def note_ranges(
-    job: Job, name: str, tables: Tables, reached: Callable[[bool], ArrayLike], times: ArrayLike
-) -> None:
+def note_ranges(job: Job, name: str, tables: Tables, reached: Callable[[bool], ArrayLike], times: ArrayLike) -> None:
     """Note where the tables were used: films at the temperatures ``reached`` outside (True) [degC], what materials have
     at those anywhere (False), the rest at ``times`` [s].
 
@@ -139,9 +137,7 @@ def note_ranges(
         job.ranges.used(table, times, known=known, source=name, unit="s", then=then)
 
 
-def _transient(
-    document: MoldDocument, problem: Problem, start: Array, advance: Advance, share: float = 1.0
-) -> History:
+def _transient(document: MoldDocument, problem: Problem, start: Array, advance: Advance, share: float = 1.0) -> History:
     """Follow the mold; each step may err by ``share`` of the document's tolerance."""
     settings = document.run
     target = None
@@ -156,9 +152,7 @@ def _transient(
         if problem.work_surface is not None:
             nodes = np.unique(problem.work_surface.nodes)
         full = View(problem.model, problem.thermostats, target)
-        shortcut, why = shortcut_for(
-            full, settings.until, list(problem.probes.values()), nodes, settings.reduced
-        )
+        shortcut, why = shortcut_for(full, settings.until, list(problem.probes.values()), nodes, settings.reduced)
     pace = Pace(problem, start, shortcut is not None)
     reached = [(0.0, 0.0 if target is None else dot(target.sensor, start))]
 
@@ -229,9 +223,7 @@ def _say(job: Job, result: HeatDocument) -> None:
     elif result.status:
         console.warn(result.status)
     if result.warmup_time_s is not None:
-        console.note(
-            f"warm-up {result.warmup_time_s / 60:.1f} min, {result.steps} steps, {result.unknowns} unknowns"
-        )
+        console.note(f"warm-up {result.warmup_time_s / 60:.1f} min, {result.steps} steps, {result.unknowns} unknowns")
     if result.reduced is not None:
         told = result.reduced
         console.note(
@@ -267,6 +259,4 @@ def _say(job: Job, result: HeatDocument) -> None:
         for name, use in result.conditions.items()
     ]
     if rows:
-        console.table(
-            "Where the heat goes", ("condition", "area cm^2", "power W at the end", "heat in kJ"), rows
-        )
+        console.table("Where the heat goes", ("condition", "area cm^2", "power W at the end", "heat in kJ"), rows)

@@ -127,8 +127,7 @@ def _common(problem: Problem, history: History, energy: Energy, converged: bool)
         power_supplied_W=sum(heater.power_at(last.time) for heater in model.heaters),
         power_lost_W={name: -power for name, power in powers.items() if name not in heaters},
         conditions={
-            name: FaceUse(area_mm2=area or None, power_W=powers.get(name))
-            for name, area in problem.areas.items()
+            name: FaceUse(area_mm2=area or None, power_W=powers.get(name)) for name, area in problem.areas.items()
         },
         mass_kg=float(masses.sum()),
         mass_by_part_kg=dict(zip(parts, masses.tolist(), strict=True)),
@@ -148,9 +147,7 @@ def _powers(problem: Problem, state: Past) -> dict[str, float]:
     """Return the power that enters through each condition at a state [W]."""
     model = problem.model
     powers = {
-        c.name: c.power_at(state.time)
-        if isinstance(c, Heater)
-        else float(c.flow(state.time, state.temperature).sum())
+        c.name: c.power_at(state.time) if isinstance(c, Heater) else float(c.flow(state.time, state.temperature).sum())
         for c in model.conditions
     }
     if model.prescribed:
@@ -170,12 +167,8 @@ def _status(converged: bool, imbalance: float, document: MoldDocument, result: H
         return f"the account of heat is off by {imbalance:.2g}, more than {IMBALANCE_ALLOWED:g}"
     if result.target_reached is False:
         mean = result.work_surface.mean_degC if result.work_surface else float("nan")
-        when = (
-            f"by {result.end_time_s:.6g} s" if document.run.until is not None else "ever: it has come to rest"
-        )
-        return (
-            f"the work surface did not reach {document.run.target:g} degC {when}; its mean is {mean:.2f} degC"
-        )
+        when = f"by {result.end_time_s:.6g} s" if document.run.until is not None else "ever: it has come to rest"
+        return f"the work surface did not reach {document.run.target:g} degC {when}; its mean is {mean:.2f} degC"
     return None
 
 
@@ -198,9 +191,7 @@ def efficiency_of(energy: Energy) -> float | None:
 
 
 def _evenness(found: surface.Evenness) -> Evenness:
-    return Evenness(
-        mean_degC=found.mean, min_degC=found.least, max_degC=found.greatest, spread_K=found.spread
-    )
+    return Evenness(mean_degC=found.mean, min_degC=found.least, max_degC=found.greatest, spread_K=found.spread)
 
 
 def _extreme(problem: Problem, state: Past, node: int) -> Extreme:

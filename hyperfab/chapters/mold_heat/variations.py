@@ -80,9 +80,7 @@ def read_variations(inputs: Inputs, file: str, document: MoldDocument, mold: str
     return Asked(factors)
 
 
-def vary(
-    asked: Asked, document: MoldDocument, problem: Problem, history: History, start: Array
-) -> Variations:
+def vary(asked: Asked, document: MoldDocument, problem: Problem, history: History, start: Array) -> Variations:
     """Run the variations on the reduced mold, which is checked against ``history``, the full run."""
     model, names = problem.model, list(problem.probes)
     end = history.states[-1].time

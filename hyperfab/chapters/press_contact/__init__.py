@@ -58,9 +58,7 @@ def run(job: Job, case: PressCase) -> int:
             remedy='add set = { measured = "set.csv" } or { rate = "3e8 1/s", activation = "95 kJ/mol" }',
         )
     if case.compensate and (case.floating or any(tilt_of(case, files))):
-        raise UsageError(
-            "--compensate is for a press that closes in parallel: leave out --float and the tilt"
-        )
+        raise UsageError("--compensate is for a press that closes in parallel: leave out --float and the tilt")
     wanted = None if case.wanted is None else Wanted(job, case, files.frame)
     with job.console.progress("Closing the press") as advance:
         model = model_of(job, case, files)
@@ -119,9 +117,7 @@ def _origins(job: Job, model: Model, result: PressDocument) -> Origins:
     heat documents hand on."""
     case = model.case
     stated = {case.foam: FoamDocument} if case.foam.endswith(".toml") else {}
-    laws = materials(
-        job.inputs, case.foam, model.files.document, 0.5 * sum(grown.temperature for grown in model.grown)
-    )
+    laws = materials(job.inputs, case.foam, model.files.document, 0.5 * sum(grown.temperature for grown in model.grown))
     found = origins(job.inputs, case, laws, stated)
     identified(found, case, job)
     heat = [file_of(name)[0] for name in (case.male_heat, case.female_heat) if name is not None]
@@ -162,25 +158,17 @@ def note_ranges(job: Job, model: Model, closed: Closed) -> None:
     sides = zip(("male", "female"), tables, model.files.expansions, model.grown, strict=True)
     for side, given, rows, grown in sides:
         if isinstance(given, TableFile):
-            job.ranges.used(
-                f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC"
-            )
+            job.ranges.used(f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC")
     if not job.ranges.entries:  # laws by their constants alone: nothing says how far they hold
         job.ranges.used("strain", strain, known=None, source=foam)
 
 
 def _tell_held(job: Job, path: str, fitted: MaterialDocument, strain: float) -> None:
     """Warn where a law's stress between plates, its sides held, is a guess far beyond that of the tests behind it."""
-    if (
-        strain <= 0.0
-        or "confined-compression" in (fitted.tested or {})
-        or "volumetric" in (fitted.tested or {})
-    ):
+    if strain <= 0.0 or "confined-compression" in (fitted.tested or {}) or "volumetric" in (fitted.tested or {}):
         return
     _, law = FabricDocument(fitted, path).foams()[0]
-    held, free = (
-        abs(float(law.stress(test, [1.0 - strain])[0])) for test in ("confined-compression", "uniaxial")
-    )
+    held, free = (abs(float(law.stress(test, [1.0 - strain])[0])) for test in ("confined-compression", "uniaxial"))
     if not held <= _GUESSED * free:
         job.console.warn(
             f"{path}: pressed by {100.0 * strain:.0f} % between plates, where its sides are held, its law says "
@@ -246,13 +234,9 @@ def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> 
             "the female does not reach over all of the male"
         )
     if case.min_spotted is not None and percent < case.min_spotted:
-        job.console.warn(
-            f"{percent:.1f} % of the molding surface touches, {case.min_spotted:g} % are asked for"
-        )
+        job.console.warn(f"{percent:.1f} % of the molding surface touches, {case.min_spotted:g} % are asked for")
         status = NEGATIVE_VERDICT
     if case.max_pressure is not None and result.pressure_max_MPa > case.max_pressure:
-        job.console.warn(
-            f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} MPa are allowed"
-        )
+        job.console.warn(f"the pressure reaches {result.pressure_max_MPa:g} MPa, {case.max_pressure:g} MPa are allowed")
         status = NEGATIVE_VERDICT
     return status

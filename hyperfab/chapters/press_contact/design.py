@@ -147,9 +147,7 @@ def _reach(closed: Closed) -> tuple[float, float]:
     """Return the least and the greatest gap [mm] that mean anything: foam at the end of its law, and untouched."""
     sandwich = closed.press.sandwich
     foam, fabric = float(np.min(sandwich.foam)), float(np.max(sandwich.fabric))
-    return fabric + foam * (1.0 - min(float(np.min(sandwich.law.limit)), 0.95)), float(
-        np.max(sandwich.thickness)
-    )
+    return fabric + foam * (1.0 - min(float(np.min(sandwich.law.limit)), 0.95)), float(np.max(sandwich.thickness))
 
 
 def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wanted, gap: Array) -> _Tried:
@@ -159,9 +157,7 @@ def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wante
     growth, frame = model.grown[0].growth, model.files.frame
     _, male, to_set = _male(closed, frame, gap, growth)
     nearest = np.asarray(cKDTree(closed.case.male.vertices).query(male.vertices)[1], dtype=np.int64)
-    carried = (
-        closed.case.sandwich.of_vertices(nearest) if closed.case.sandwich.uneven else closed.case.sandwich
-    )
+    carried = closed.case.sandwich.of_vertices(nearest) if closed.case.sandwich.uneven else closed.case.sandwich
     case = replace(
         closed.case,
         male=male,

@@ -124,6 +124,4 @@ def formed_picture(told: PressResult) -> bytes:
     )
     beside = "" if told.beside is None else f", off by {told.beside.worst_mm:+.2f} mm at most"
     part = formed_part(told.formed, told.closed, told.closed.cold)
-    return formed_map(
-        mold, f"formed thickness {part.thickness_min_mm:.2f} to {part.thickness_max_mm:.2f} mm{beside}"
-    )
+    return formed_map(mold, f"formed thickness {part.thickness_min_mm:.2f} to {part.thickness_max_mm:.2f} mm{beside}")

@@ -68,9 +68,7 @@ def read_setting(job: Job, name: str, document: FoamDocument) -> Setting | None:
         try:
             law, rms = identified(rows["temperature"], rows["dwell"], share)
         except ValueError as error:
-            raise InputError(
-                str(error), file=path, remedy='add tests, or give set = { table = "..." }'
-            ) from None
+            raise InputError(str(error), file=path, remedy='add tests, or give set = { table = "..." }') from None
         known = rows["temperature"], rows["dwell"], strain
         return Setting(law, "arrhenius", path, rms, known)
     if isinstance(given, TableFile):

@@ -103,9 +103,7 @@ def grow(
     line = guide_line(male)
     if heat.grid is None:
         strain = float(expansion.strain(heat.temperature))
-        return ThermalDisplacement(
-            even_growth(mold, strain, line), heat.temperature, strain, heat.known_from, True
-        )
+        return ThermalDisplacement(even_growth(mold, strain, line), heat.temperature, strain, heat.known_from, True)
     found = _of_mold(heat, frame, mold)
     mean, strain = _mean(found.grid), float(expansion.strain(_mean(found.grid)))
     named = f"part {found.part} of " if found.part else ""

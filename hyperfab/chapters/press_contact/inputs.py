@@ -64,9 +64,7 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
                 continue
             for name, turned in ((case.male, turn_one), (case.female, turn_two)):
                 if turned:
-                    job.console.warn(
-                        f"{name}: all facets face away from the other mold; they were turned over"
-                    )
+                    job.console.warn(f"{name}: all facets face away from the other mold; they were turned over")
             smooth = case.facets == "smooth"
             male, female = (
                 dense(surface, side * frame.direction, smooth)
@@ -121,14 +119,8 @@ def across(name: str, document: FoamDocument, key: Literal["tilt", "offset"], ax
     given = getattr(document.press, key)
     found = np.array([given.x, given.y, given.z])
     if found["xyz".index(axis)] != 0.0:
-        what = (
-            "a turn about the closing axis {} is no tilt"
-            if key == "tilt"
-            else "the gap sets the place along {}"
-        )
-        raise InputError(
-            what.format(axis), file=name, key=f"press.{key}.{axis}", remedy=f"name an axis across {axis}"
-        )
+        what = "a turn about the closing axis {} is no tilt" if key == "tilt" else "the gap sets the place along {}"
+        raise InputError(what.format(axis), file=name, key=f"press.{key}.{axis}", remedy=f"name an axis across {axis}")
     return found
 
 
@@ -172,9 +164,7 @@ def expansions(inputs: Inputs, name: str, document: FoamDocument) -> tuple[Expan
             key="expansion.reference",
             remedy='give the temperature at which the STL files hold, as "20 degC"',
         )
-    male, female = (
-        _expansion(inputs, name, value, section.reference) for value in (section.male, section.female)
-    )
+    male, female = (_expansion(inputs, name, value, section.reference) for value in (section.male, section.female))
     return male, female
 
 

@@ -235,9 +235,7 @@ def _table_law(job: Job, path: str) -> FoamLaw:
         )
     rising = np.flatnonzero(np.diff(highest, prepend=-np.inf) > 0.0)
     # Before the plates touch the foam, strain and stress jitter about zero.
-    rising = rising[
-        strain[rising] >= (0.0 if strain[0] < 0.0 and strain[0] > -_JITTER * highest[-1] else -np.inf)
-    ]
+    rising = rising[strain[rising] >= (0.0 if strain[0] < 0.0 and strain[0] > -_JITTER * highest[-1] else -np.inf)]
     lines = table.lines[rising]
     strain, stress = strain[rising], _without_jitter(stress[rising])
     stress = np.where((stress < 0.0) & (stress > -_JITTER * stress.max()), 0.0, stress)
@@ -255,13 +253,9 @@ def _table_law(job: Job, path: str) -> FoamLaw:
     if strain[0] < 0.0:
         refuse(0, "compression strain is negative", "give compression as positive strain and stress")
     if strain[-1] >= 1.0:
-        refuse(
-            len(strain) - 1, "foam cannot be compressed by 100 % or more", "give strain as a fraction below 1"
-        )
+        refuse(len(strain) - 1, "foam cannot be compressed by 100 % or more", "give strain as a fraction below 1")
     if stress[0] < 0.0:
-        refuse(
-            0, "compression stress is negative", "give compression as positive strain and stress", "stress"
-        )
+        refuse(0, "compression stress is negative", "give compression as positive strain and stress", "stress")
     falling = np.flatnonzero(np.diff(stress) < 0.0)
     if len(falling):
         message = f"stress falls from {stress[falling[0]]:g} to {stress[falling[0] + 1]:g} MPa"

@@ -144,9 +144,7 @@ def reread(
         law, relaxed = compression_law(job, case.foam, document, warm, case.dwell)
     tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
     thinned, changes = files.thinned, handed.get(case.drape or "", {})
-    if files.draped is not None and (
-        changes or law is not files.law or document.poisson != files.document.poisson
-    ):
+    if files.draped is not None and (changes or law is not files.law or document.poisson != files.document.poisson):
         fabric = files.draped.at(changes)
         thinned = fabric, thinning(law.at(warm), document, case.foam, fabric)[0]
     return replace(

@@ -158,9 +158,7 @@ def document_of(told: PressResult) -> PressDocument:
                 contact=region.contact,
                 area_mm2=region.area,
                 # Regions are found on the hot male; their place is told on the drawing.
-                centroid_mm=place(
-                    frame.outward(region.centroid + shift[_nearest(front.vertices, region.centroid)])
-                ),
+                centroid_mm=place(frame.outward(region.centroid + shift[_nearest(front.vertices, region.centroid)])),
                 gap_mean_mm=region.gap,
                 pressure_mean_MPa=region.pressure,
                 force_N=region.load,
@@ -303,9 +301,7 @@ def _nearest(vertices: Array, point: Array) -> int:
     return int(np.argmin(((vertices - point) ** 2).sum(axis=1)))
 
 
-def _state_areas(
-    states: NDArray[np.int64], area: Array, closed: Closed, molding: NDArray[np.bool_]
-) -> StateAreas:
+def _state_areas(states: NDArray[np.int64], area: Array, closed: Closed, molding: NDArray[np.bool_]) -> StateAreas:
     touching = float(closed.touching[molding].sum())
     bottomed = float(area[states == State.BOTTOMED].sum())
     interfering = float(area[states == State.INTERFERING].sum())
@@ -344,9 +340,7 @@ def _left_out(told: PressResult) -> list[str]:
     if fabrics.thickness > 0.0 and fabrics.law is None:
         out.append("compression of the fabric: it is rigid across (fabric.compression)")
     hot = max(abs(grown.temperature - told.reference) for grown in told.grown)
-    if hot > _COLD and all(
-        not isinstance(law, MaterialLaw) and law.temperature is None for law in document.laws
-    ):
+    if hot > _COLD and all(not isinstance(law, MaterialLaw) and law.temperature is None for law in document.laws):
         out.append("stiffness of the foam against temperature: its law is taken as it stands")
     if told.warmed is not None:
         out += left_out(document)

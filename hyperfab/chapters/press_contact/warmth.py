@@ -61,9 +61,7 @@ def warmed(job: Job, model: Model, closed: Closed) -> Warmed | None:
     times = dwell * (np.arange(1, _TIMES + 1) / _TIMES) ** 2
     middle = column.at(times)
     over = middle[:, area > 0.0]
-    rows = np.stack(
-        [times, over.min(axis=1), np.average(middle, axis=1, weights=area), over.max(axis=1)], axis=1
-    )
+    rows = np.stack([times, over.min(axis=1), np.average(middle, axis=1, weights=area), over.max(axis=1)], axis=1)
     reached = None if target is None else column.reaches(target, dwell)
     return Warmed(column, dwell, middle[-1], rows, target, reached)
 
@@ -127,9 +125,7 @@ def column_of(job: Job, model: Model, closed: Closed) -> Column:
     laid = np.stack([np.full(len(gap), layers.below), document.thickness * uneven[closed.front.of_mold],
                      np.full(len(gap), layers.above)]) * spread  # fmt: skip
     conductivity, heat, density = (
-        np.array([_known(document, key, name) if own is None else own, _known(document, key, name)])[
-            [0, 1, 0]
-        ][:, None]
+        np.array([_known(document, key, name) if own is None else own, _known(document, key, name)])[[0, 1, 0]][:, None]
         for key, own in (
             ("conductivity", of_fabric.conductivity),
             ("specific_heat", of_fabric.specific_heat),
@@ -181,9 +177,7 @@ def left_out(document: FoamDocument) -> list[str]:
         "heat along the sandwich, and radiation across open gaps",
     ]
     if document.contact_conductance is None:
-        found.append(
-            "resistance between molds and sandwich where they touch: no contact_conductance is given"
-        )
+        found.append("resistance between molds and sandwich where they touch: no contact_conductance is given")
     return found
 
 
@@ -217,9 +211,7 @@ def _contact(job: Job, document: FoamDocument, name: str, pressure: Array) -> Ar
         remedy="leave out what does not touch: air conducts there by itself",
     )
     then = "its end rows hold there"
-    job.ranges.used(
-        "contact_conductance", pressure, known=table["pressure"], source=name, unit="MPa", then=then
-    )
+    job.ranges.used("contact_conductance", pressure, known=table["pressure"], source=name, unit="MPa", then=then)
     return np.asarray(1.0 / np.interp(pressure, table["pressure"], table["conductance"]))
 
 

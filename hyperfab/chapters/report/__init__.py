@@ -65,9 +65,7 @@ def _target(output: str) -> str:
     if not path.suffix and not path.is_dir():
         path = path.with_name(f"{path.name}.html")
     if path.suffix not in (".html", ".htm"):
-        raise UsageError(
-            f"--output {output}: a page's name ends in .html; write {path.stem or 'report'}.html"
-        )
+        raise UsageError(f"--output {output}: a page's name ends in .html; write {path.stem or 'report'}.html")
     check_place(str(path))
     return str(path)
 

@@ -101,9 +101,7 @@ def _run_cases(
                 engine.run(plan)
                 return engine
     except (KeyboardInterrupt, Terminated) as stop:
-        job.console.note(
-            f"stopped; what is finished is kept in {store.folder}: the same line goes on from there"
-        )
+        job.console.note(f"stopped; what is finished is kept in {store.folder}: the same line goes on from there")
         return 130 if isinstance(stop, KeyboardInterrupt) else 143
 
 
@@ -154,9 +152,7 @@ def check_study(plan: Plan, commands: Any) -> None:
                 wrong,
                 file=plan.file,
                 key=f"step.{position}",
-                remedy=f"hf {step.command} --help shows its options"
-                if known
-                else "hf --help lists the commands",
+                remedy=f"hf {step.command} --help shows its options" if known else "hf --help lists the commands",
             )
     for name, path in plan.study.figures.items():
         _check_figure(plan, commands, name, path)
@@ -236,9 +232,7 @@ def _check_document(plan: Plan, name: str) -> None:
     edited = plan.edited(name)
     kind = stated_kind(edited)
     if kind in KINDS:
-        parse_document(
-            edited, f"{plan.file}, document.{name} as edited for the first case", document_class(kind)
-        )
+        parse_document(edited, f"{plan.file}, document.{name} as edited for the first case", document_class(kind))
 
 
 def _check_axes_used(plan: Plan) -> None:

@@ -98,9 +98,7 @@ def _front(plan: Plan, table: Table) -> Front | None:
             return None
         columns.append(np.where(_eligible(table), values if direction == "minimize" else -values, np.nan))
     rows = pareto_front(columns[0], columns[1])
-    return Front(
-        figures=names, directions=directions, cases=[str(table.columns["case"][row]) for row in rows]
-    )
+    return Front(figures=names, directions=directions, cases=[str(table.columns["case"][row]) for row in rows])
 
 
 def _senses(plan: Plan, table: Table) -> dict[str, str]:

@@ -179,9 +179,7 @@ class Carried:
                     if name in bands and name not in curved:
                         bands[name] = propagation.curved(self.value[name], bands[name], *way)
                 if not curved or self.near is None or self.case.uncertainty == "linear":
-                    left_out += [
-                        f"{name}: bends within its interval; --uncertainty sampled" for name in curved
-                    ]
+                    left_out += [f"{name}: bends within its interval; --uncertainty sampled" for name in curved]
                     return self._told("linear", bands, left_out, slopes=slopes)
                 one = len(curved) == 1
                 reason = f"{', '.join(curved)} bend{'s' if one else ''} within {'its' if one else 'their'} interval"
@@ -239,9 +237,7 @@ class Carried:
         own: dict[str, list[tuple[float, float]]] = {}
         if self.near is not None:
             blocks = propagation.directions(self.sources)
-            for place in propagation.ends(
-                {name: one for name, one in effects.items() if np.isfinite(one).all()}
-            ):
+            for place in propagation.ends({name: one for name, one in effects.items() if np.isfinite(one).all()}):
                 there = self._answer(self._moved(place, blocks)).figures
                 for name, along in effects.items():
                     if name not in there:
@@ -268,9 +264,9 @@ class Carried:
                 rows.append(answer.figures)
                 kept.append(index)
                 for name, values in answer.fields.items():
-                    spread.setdefault(
-                        name, Spread(len(blocks) if name in HANDED.get(self.kind, ()) else 0)
-                    ).add(values, draw)
+                    spread.setdefault(name, Spread(len(blocks) if name in HANDED.get(self.kind, ()) else 0)).add(
+                        values, draw
+                    )
         self.fields = {name: found.sd for name, found in spread.items()}
         self.along = {name: found.along for name, found in spread.items()}
         lost = count - len(rows)
@@ -278,18 +274,14 @@ class Carried:
             why = f"{lost} of {count} runs that were drawn fail"
             self.job.console.warn(f"uncertainty is not carried: {why}")
             self.fields, self.along = {}, {}
-            return self._told(
-                "sampled", {}, [*left_out, f"all figures: {why}"], reason=reason, samples=len(rows)
-            )
+            return self._told("sampled", {}, [*left_out, f"all figures: {why}"], reason=reason, samples=len(rows))
         left_out += [f"{lost} of {count} runs that were drawn, which fail"] if lost else []
         bands = {}
         for name, value in self.value.items():
             outcomes = np.array([row.get(name, np.nan) for row in rows])
             told = np.isfinite(outcomes)
             if told.sum() < (1.0 - _FAILED) * count:
-                left_out.append(
-                    f"{name}: {count - int(told.sum())} of {count} runs that were drawn do not have it"
-                )
+                left_out.append(f"{name}: {count - int(told.sum())} of {count} runs that were drawn do not have it")
                 continue
             bands[name] = propagation.sampled(value, outcomes[told], drawn[kept][told], self.sources)
         return self._told("sampled", bands, left_out, reason=reason, samples=len(rows))
@@ -340,9 +332,7 @@ class Carried:
                     low=band.low,
                     high=band.high,
                     budget=[Share(source=source, share=share) for source, share in band.budget],
-                    sensitivities=dict(zip(names, map(float, slopes[name]), strict=True))
-                    if name in slopes
-                    else None,
+                    sensitivities=dict(zip(names, map(float, slopes[name]), strict=True)) if name in slopes else None,
                 )
                 for name, band in bands.items()
                 if self._counts(name, band)

@@ -72,9 +72,7 @@ class _Moved(Inputs):
     """Inputs whose documents are there as plain data: nothing is written to be read again, and what does not change is
     read once."""
 
-    def __init__(
-        self, inputs: Inputs, documents: dict[str, Any], written: dict[str, bytes], kept: Kept
-    ) -> None:
+    def __init__(self, inputs: Inputs, documents: dict[str, Any], written: dict[str, bytes], kept: Kept) -> None:
         super().__init__()
         self._inputs, self._documents, self._written, self._kept = inputs, documents, written, kept
 

@@ -49,9 +49,7 @@ def identified(found: Origins, case: Case, job: Job) -> None:
     # The document of --like says what is run and is no part of it: the same set-up gives the same ids.
     like = None if job.like is None else job.like.name
     hashes = {file.name: file.sha256 for file in job.inputs.files if file.name != like}
-    setup = json.dumps(
-        [case.COMMAND, case.setup(hashes), sorted(hashes.values())], sort_keys=True, default=str
-    )
+    setup = json.dumps([case.COMMAND, case.setup(hashes), sorted(hashes.values())], sort_keys=True, default=str)
     of_setup = hashlib.sha256(setup.encode()).hexdigest()
 
     def id_of(number: Number) -> str:
@@ -59,8 +57,7 @@ def identified(found: Origins, case: Case, job: Job) -> None:
         return f"{digest[:_DIGITS]}: {number.name.partition(': ')[2] or number.name}"
 
     found.found = [
-        one if one.ids else replace(one, ids=tuple(id_of(number) for number in one.numbers))
-        for one in found.found
+        one if one.ids else replace(one, ids=tuple(id_of(number) for number in one.numbers)) for one in found.found
     ]
 
 

@@ -191,14 +191,10 @@ class Origins:
     def each(self) -> Iterator[tuple[float, int, Array]]:
         """Yield, of each number, its standard deviation, the number of its source, and the unit of it alone there."""
         for index, one in enumerate(self.found):
-            for sd, unit in zip(
-                np.sqrt(np.diag(one.source.covariance)), np.eye(len(one.numbers)), strict=True
-            ):
+            for sd, unit in zip(np.sqrt(np.diag(one.source.covariance)), np.eye(len(one.numbers)), strict=True):
                 yield float(sd), index, unit
 
-    def changed(
-        self, case: CaseT, inputs: Inputs, changes: Mapping[int, Sequence[float] | Array]
-    ) -> Changed[CaseT]:
+    def changed(self, case: CaseT, inputs: Inputs, changes: Mapping[int, Sequence[float] | Array]) -> Changed[CaseT]:
         """Return the inputs with the numbers of some sources changed: ``changes`` by the source's number."""
         moved = Changed(case, inputs, self._kept)
         for index, values in changes.items():
@@ -333,9 +329,7 @@ def _constants(
     # A constant that is known, as one at its bound, is no source.
     open_ = np.flatnonzero(np.diag(covariance) > 0.0)
     free = (-math.inf, math.inf)
-    numbers = tuple(
-        Entry(file, (*place, own.order[k]), 0.0, walls=walls.get(own.order[k], free)) for k in open_
-    )
+    numbers = tuple(Entry(file, (*place, own.order[k]), 0.0, walls=walls.get(own.order[k], free)) for k in open_)
     square = np.ix_(open_, open_)
     parts = tuple((np.array(one.covariance)[square], one.degrees_of_freedom) for one in own.parts or ())
     return Origin(Source(shown, covariance[square], freedom, parts), numbers)

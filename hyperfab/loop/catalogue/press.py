@@ -86,11 +86,7 @@ def fabric_compression(context: DataContext) -> PressEffect:
     return PressEffect(
         id="fabric-compression",
         title="the fabrics give way across",
-        not_sought="there is no fabric"
-        if context.foam.fabric_mm <= 0.0
-        else HAS_IT
-        if context.foam.across
-        else "",
+        not_sought="there is no fabric" if context.foam.fabric_mm <= 0.0 else HAS_IT if context.foam.across else "",
         shown_by="the thickness of the fabrics alone under rising pressure (ISO 5084)",
         source="a linear spring; B. Storakers, J. Mech. Phys. Solids 34 (1986) 125, one term",
         forms=(
@@ -178,9 +174,7 @@ def foam_softening(context: DataContext) -> FoamSoftening:
     if law is None:
         reason = HAS_IT
     elif not context.foam.even:
-        reason = (
-            "the foam is not equally hot everywhere: leave out --dwell, and give both molds one temperature"
-        )
+        reason = "the foam is not equally hot everywhere: leave out --dwell, and give both molds one temperature"
     elif max(abs(one - law) for one in met) < 1.0:
         reason = "no reading was taken at another temperature than the foam's law holds at"
     far = max(abs(one - (law or 0.0)) for one in met) or 1.0
@@ -188,9 +182,7 @@ def foam_softening(context: DataContext) -> FoamSoftening:
     forms = [Form("exponential", (rate,), ((0.3 / far,), (1.0 / far,)), ((0.05 / far,),))]
     if len(met) > 2:
         bend = Constant("softening_1_K2", 0.0, -4.0 / far**2, 4.0 / far**2, 0.05 / far**2)
-        forms.append(
-            Form("curved", (rate, bend), ((0.3 / far, 0.0),), ((0.0, 0.05 / far**2),), "exponential")
-        )
+        forms.append(Form("curved", (rate, bend), ((0.3 / far, 0.0),), ((0.0, 0.05 / far**2),), "exponential"))
     known = 20.0 if law is None else law
     return FoamSoftening(
         id="foam-softening",

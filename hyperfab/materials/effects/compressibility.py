@@ -27,9 +27,7 @@ def across(stretch: Array, contraction: Array | float, bend: float = 0.0) -> Arr
     return np.asarray(stretch ** -(contraction + bend * np.log(stretch)))
 
 
-def as_incompressible(
-    mode: Array, stretch: Array, second: Array, contraction: Array, bend: float = 0.0
-) -> Array:
+def as_incompressible(mode: Array, stretch: Array, second: Array, contraction: Array, bend: float = 0.0) -> Array:
     """Return the second stretch at which an incompressible sheet has the same stretch and the same thickness.
 
     With the normal stress zero the thickness of Blatz and Ko's material is ``(l1 l2)^(-nu/(1-nu))``; the driving stress
@@ -131,9 +129,7 @@ class Contraction:
         """Return the transverse stretch of uniaxial rows."""
         return across(stretch, *self.exponent(path, values))
 
-    def state(
-        self, path: Path, stretch: Array, usual: Array, values: Array
-    ) -> tuple[Array, Array, Array | float]:
+    def state(self, path: Path, stretch: Array, usual: Array, values: Array) -> tuple[Array, Array, Array | float]:
         """Return the stretches in which the law is asked, and what its stress is multiplied by.
 
         ``usual`` is the second stretch of a sheet that keeps its volume.
@@ -149,9 +145,7 @@ class Slope(Contraction):
         """Return None: the law is not that of a Poisson's ratio."""
         return None
 
-    def state(
-        self, path: Path, stretch: Array, usual: Array, values: Array
-    ) -> tuple[Array, Array, Array | float]:
+    def state(self, path: Path, stretch: Array, usual: Array, values: Array) -> tuple[Array, Array, Array | float]:
         """Return the stretches of a sheet that keeps its volume, and how much less drives it."""
         _, thinner, _ = super().state(path, stretch, usual, values)
         return stretch, usual, pull(stretch, thinner, usual)
@@ -164,9 +158,7 @@ class Split(Slope):
     def across(self, path: Path, stretch: Array, values: Array) -> Array:
         return np.asarray(np.sqrt(volume(path.mode, stretch, path.across, values[0]) / stretch))
 
-    def state(
-        self, path: Path, stretch: Array, usual: Array, values: Array
-    ) -> tuple[Array, Array, Array | float]:
+    def state(self, path: Path, stretch: Array, usual: Array, values: Array) -> tuple[Array, Array, Array | float]:
         """Return the stretches of shape alone."""
         ratio = volume(path.mode, stretch, path.across, values[0])
         return *of_shape(path.mode, stretch, path.across, ratio), 1.0 / np.cbrt(ratio)

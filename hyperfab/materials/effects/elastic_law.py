@@ -112,9 +112,7 @@ def _smooth(sheet: Sheet, reach: float) -> list[Term]:
     stored = slopes.antiderivative()
     x = sheet.x / reach
     energy, slope, bend = (np.moveaxis(straight(stored, x, order), -1, 0) for order in range(3))
-    terms: list[Term] = [
-        of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)
-    ]
+    terms: list[Term] = [of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)]
     return [*terms, *_of_other_modes(sheet)]
 
 
@@ -125,9 +123,7 @@ def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
     energy, slope, rate = (np.moveaxis(values, -1, 0) for values in (stored(s), slopes(s), slopes(s, 1)))
     # At rest I1 does not change with the strain: what its second derivative is there does not matter.
     per = 2.0 * reach * np.maximum(s, 1e-9)
-    terms: list[Term] = [
-        of_I1(reach * w, w1, w11 / per) for w, w1, w11 in zip(energy, slope, rate, strict=True)
-    ]
+    terms: list[Term] = [of_I1(reach * w, w1, w11 / per) for w, w1, w11 in zip(energy, slope, rate, strict=True)]
     return [*terms, *_of_other_modes(sheet)]
 
 

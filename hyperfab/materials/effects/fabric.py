@@ -99,12 +99,8 @@ class Fabric:
             stress = turned * stress
             if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
                 peak = self._peak(path, stretch)
-                second, _ = self._elastic(
-                    warp, weft, terms, (itself(stretch / peak), side), (*place, "second")
-                )
-                stress = permanent_set.second_network(
-                    stress, turned * second, peak, *terms["permanent-set"][1]
-                )
+                second, _ = self._elastic(warp, weft, terms, (itself(stretch / peak), side), (*place, "second"))
+                stress = permanent_set.second_network(stress, turned * second, peak, *terms["permanent-set"][1])
             state = State(path, stretch, energy, self.reference_degC, self.speed)
             for name, forms in _ON_STRESS.items():
                 if name in _OF_THE_MACHINE:
@@ -326,9 +322,7 @@ class Fabric:
             return found
         for mode, at in self._of_each_mode:
             stretch, side = (one[at] for one in stretches)
-            rows = Rows.of(
-                MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side
-            )
+            rows = Rows.of(MODE_NAMES[mode], stretch - 1.0 / stretch if mode == SIMPLE_SHEAR else stretch, side)
             with np.errstate(all="ignore"):
                 e = rows.strain(law)
                 energy = law.energy(e) if needs_energy else np.zeros(len(e))

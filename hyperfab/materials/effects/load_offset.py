@@ -56,14 +56,10 @@ IN_TIME = ("drift", "settling", "each-drift", "smooth")
 FORMS: Mapping[str, Acts] = {
     "constant": lambda at, stress, values: shifted(stress, values[0]),
     "drift": lambda at, stress, values: shifted(stress, values[0], at.path.time_s, values[1]),
-    "settling": lambda at, stress, values: shifted(
-        stress, values[0] + settling(at.path.time_s, values[1], values[2])
-    ),
+    "settling": lambda at, stress, values: shifted(stress, values[0] + settling(at.path.time_s, values[1], values[2])),
     "each": lambda at, stress, values: shifted(stress, of_each(at.path, values)),
     "each-drift": lambda at, stress, values: shifted(stress, drifting_each(at.path, values)),
-    "smooth": lambda at, stress, values: shifted(
-        stress, values[1] + through(at.path.time_s / values[0], values[2:])
-    ),
+    "smooth": lambda at, stress, values: shifted(stress, values[1] + through(at.path.time_s / values[0], values[2:])),
 }
 
 

@@ -111,9 +111,7 @@ FORMS: Mapping[str, Acts] = {
     "pseudo-elastic-beta": _by_energy,
     "strain": _by_strain,
     "strain-shape": _by_strain,
-    "strain-cycles": lambda at, stress, values: (
-        stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values)
-    ),
+    "strain-cycles": lambda at, stress, values: stress * worn(at.path.stretch, at.path.peak, at.path.returns, *values),
     "smooth": worn_smoothly,
     "smooth-energy": _worn_by_energy,
     "smooth-each-way": each_way(worn_smoothly),

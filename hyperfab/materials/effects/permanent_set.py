@@ -97,9 +97,7 @@ def kept_on(path: Path, values: Array) -> Array:
     to that power.
     """
     share, power = values
-    return np.where(
-        path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0
-    )
+    return np.where(path.returns > 0.0, share * (path.peak - 1.0) * np.maximum(path.returns, 1.0) ** power, 0.0)
 
 
 def second_network(first: Array, second: Array, peak: Array, share: float, power: float = 1.0) -> Array:

@@ -336,9 +336,7 @@ FORMS: Mapping[str, Acts] = {
     "flow": _flow,
     "flow-strain": _flow,
     "finite": lambda at, stress, values: stress + stretched_in_series(at, [values[0]], [values[1]]),
-    "finite-2": lambda at, stress, values: (
-        stress + stretched_in_series(at, list(values[::2]), list(values[1::2]))
-    ),
+    "finite-2": lambda at, stress, values: stress + stretched_in_series(at, list(values[::2]), list(values[1::2])),
     "smooth": spectrum,
     "smooth-each-way": each_way(spectrum),
     "prony-1-shifted": _shifted(_maxwell),

@@ -35,9 +35,7 @@ class Threads:
     path: Path
     _last: Strip | None = None
 
-    def answer(
-        self, constants: Mapping[str, float], stretch: Array, side: Array
-    ) -> tuple[Array, Array, Array]:
+    def answer(self, constants: Mapping[str, float], stretch: Array, side: Array) -> tuple[Array, Array, Array]:
         """Return nominal stress [MPa], energy [MPa] and the stretch across of every row at its ``stretch``.
 
         ``constants`` are those of the orthotropic energy, absent where not named; what is below zero counts as nothing.
@@ -63,8 +61,7 @@ class Threads:
         if pulled is None:
             return stress, energy, across
         pull, slope, stored, width = (
-            value.reshape(knots.shape)
-            for value in (pulled.stress, pulled.slope, pulled.answer.energy, pulled.width)
+            value.reshape(knots.shape) for value in (pulled.stress, pulled.slope, pulled.answer.energy, pulled.width)
         )
         for k, rows in enumerate(parts):
             stress[rows] = _between(knots[k], pull[k], slope[k], stretch[rows])
@@ -89,9 +86,7 @@ class Threads:
 def _law(constants: Mapping[str, float]) -> Orthotropic:
     given = {**ABSENT, **{name: max(float(value), 0.0) for name, value in constants.items()}}
     if not given["C2_MPa"]:
-        given["C10_MPa"] = max(
-            given["C10_MPa"], _LEAST * (given["k1_warp_MPa"] + given["k1_weft_MPa"]), 1e-12
-        )
+        given["C10_MPa"] = max(given["C10_MPa"], _LEAST * (given["k1_warp_MPa"] + given["k1_weft_MPa"]), 1e-12)
     return Orthotropic(given)
 
 
@@ -102,9 +97,7 @@ def _between(at: Array, value: Array, slope: Array, x: Array) -> Array:
     t = (x - at[i]) / step
     rise = t * t * (3.0 - 2.0 * t)
     bend = t * (1.0 - t) * step
-    return np.asarray(
-        value[i] + rise * (value[i + 1] - value[i]) + bend * ((1.0 - t) * slope[i] - t * slope[i + 1])
-    )
+    return np.asarray(value[i] + rise * (value[i + 1] - value[i]) + bend * ((1.0 - t) * slope[i] - t * slope[i + 1]))
 
 
 def _knots(stretch: Array) -> Array:

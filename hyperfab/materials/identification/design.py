@@ -32,9 +32,7 @@ class Problem:
     def axes(self) -> list[Axis]:
         """The axes of the free nonlinear constants."""
         every = self.law.axes(self.rows.extent)
-        return [
-            axis for name, axis in zip(self.law.nonlinear, every, strict=True) if name not in self.law.held
-        ]
+        return [axis for name, axis in zip(self.law.nonlinear, every, strict=True) if name not in self.law.held]
 
     @cached_property
     def free(self) -> list[int]:
@@ -53,9 +51,7 @@ class Problem:
 
     def coordinates(self, theta: Sequence[float]) -> Array:
         """Return ``u`` for all nonlinear constants ``theta``, kept inside the box."""
-        free = [
-            value for name, value in zip(self.law.nonlinear, theta, strict=True) if name not in self.law.held
-        ]
+        free = [value for name, value in zip(self.law.nonlinear, theta, strict=True) if name not in self.law.held]
         return np.array([axis.coordinate(value) for axis, value in zip(self.axes, free, strict=True)])
 
     def design(self, u: Array) -> Array:

@@ -162,10 +162,7 @@ def _fit(problem: Problem, u: Array, c: Array) -> Fit:
 
 def _value_slopes(problem: Problem, u: Array) -> list[float]:
     """d theta / d u of each free nonlinear constant."""
-    return [
-        float(np.imag(axis.value(value + 1e-40j)) / 1e-40)
-        for axis, value in zip(problem.axes, u, strict=True)
-    ]
+    return [float(np.imag(axis.value(value + 1e-40j)) / 1e-40) for axis, value in zip(problem.axes, u, strict=True)]
 
 
 def _with_held(problem: Problem, free: Array) -> list[float]:

@@ -39,9 +39,7 @@ def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = No
     for signed in (False, True):
         found = [fewer.polished(fewer.drawn(random, signed), signed, 60) for _ in range(_STARTS)]
         # One of each optimum that was reached, and of terms of either sign those alone that are stable.
-        sound = {
-            round(float(np.log(max(error, 1e-300))), 3): law for error, law in found if fewer.stable(law)
-        }
+        sound = {round(float(np.log(max(error, 1e-300))), 3): law for error, law in found if fewer.stable(law)}
         for _, law in sorted(sound.items(), key=lambda one: one[0])[:_POLISHED]:
             error, law = every.polished(every.vector(law), signed, 400)
             # A ratio that runs to the end of what is allowed is what no foam has, and no optimum.
@@ -88,9 +86,7 @@ class _Sought:
     def drawn(self, random: np.random.Generator, signed: bool) -> Array:
         mu = np.exp(random.normal(-1.0, 1.0, self.terms))
         mu = mu * (random.choice([1.0, 1.0, -1.0], self.terms) if signed and self.terms > 1 else 1.0)
-        return np.concatenate(
-            [mu, random.uniform(-12.0, 25.0, self.terms), random.uniform(0.0, 0.45, self.terms)]
-        )
+        return np.concatenate([mu, random.uniform(-12.0, 25.0, self.terms), random.uniform(0.0, 0.45, self.terms)])
 
     def equations(self, law: Hyperfoam) -> tuple[Array, Array]:
         """Return weighted errors and their derivatives by z."""

@@ -58,9 +58,7 @@ class Rows:
                 sides = ((curve.stress, weight, axis - 1), (curve.stress2, curve.weight2, 2 - axis))
                 if axis == 2:
                     one, two = two, one
-                parts += [
-                    (one, two, stress, own, False, along, number, group, 1.0) for stress, own, along in sides
-                ]
+                parts += [(one, two, stress, own, False, along, number, group, 1.0) for stress, own, along in sides]
             else:
                 second = second_stretch(way(curve.mode), curve.principal)
                 one, two = (curve.principal, second) if axis == 1 else (second, curve.principal)
@@ -69,9 +67,7 @@ class Rows:
                 parts.append((one, two, curve.stress, weight, uniaxial, along, number, group, share))
         kinds = (float, float, float, float, bool, np.int64, np.int64, np.int64, float)
         columns: list[Any] = [
-            np.concatenate(
-                [np.broadcast_to(np.asarray(part[i], dtype=kind), part[0].shape) for part in parts]
-            )
+            np.concatenate([np.broadcast_to(np.asarray(part[i], dtype=kind), part[0].shape) for part in parts])
             for i, kind in enumerate(kinds)
         ]
         return cls(*columns)

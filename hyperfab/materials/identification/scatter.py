@@ -76,11 +76,7 @@ def by_specimen(
     every = [(name, np.isin(curve, [k for k, one in enumerate(specimens) if one == name]))
              for name in dict.fromkeys(specimens)]  # fmt: skip
     # Specimens of another temperature may have no say in these constants.
-    heard = [
-        (name, own)
-        for name, own in every
-        if np.abs(influence[:, own]).max() > _NO_SAY * np.abs(influence).max()
-    ]
+    heard = [(name, own) for name, own in every if np.abs(influence[:, own]).max() > _NO_SAY * np.abs(influence).max()]
     names, rows = [name for name, _ in heard], [own for _, own in heard]
     strata: dict[Hashable, list[int]] = {}
     for number, name in enumerate(names):

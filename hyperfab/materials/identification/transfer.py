@@ -68,9 +68,7 @@ def _pressed_and_pulled(fit: Fit) -> float:
     """Return the largest I1 - 3 that uniaxial tests reached both pressed and pulled."""
     rows = fit.problem.rows
     x = rows.sheet(0.5).x
-    return min(
-        float(x[rows.uniaxial & side].max(initial=0.0)) for side in (rows.stretch < 1.0, rows.stretch > 1.0)
-    )
+    return min(float(x[rows.uniaxial & side].max(initial=0.0)) for side in (rows.stretch < 1.0, rows.stretch > 1.0))
 
 
 def _log_ratios(material: Material, fitted: str, x: Array) -> Array:
@@ -141,7 +139,5 @@ def _size(fit: Fit) -> Array:
     """Return the size of each free constant, but no less than a thousandth (of the largest linear one)."""
     law = fit.material.law
     c = np.abs([fit.material.c[number] for number in fit.problem.free])
-    theta = [
-        abs(v) for v, name in zip(fit.material.theta, law.nonlinear, strict=True) if name not in law.held
-    ]
+    theta = [abs(v) for v, name in zip(fit.material.theta, law.nonlinear, strict=True) if name not in law.held]
     return np.concatenate([np.maximum(c, 1e-3 * c.max(initial=1e-12)), np.maximum(theta, 1e-3)])

@@ -58,9 +58,7 @@ class BlatzKo(Law):
     name = "blatz-ko"
     title = "compressible; foam form f = 0, nu = 1/4"
     source = "doi:10.1122/1.548937"
-    equation = (
-        "W = mu f/2 [I1 - 3 + (J^(-2b) - 1)/b] + mu (1-f)/2 [I2/J^2 - 3 + (J^(2b) - 1)/b], b = nu/(1 - 2 nu)"
-    )
+    equation = "W = mu f/2 [I1 - 3 + (J^(-2b) - 1)/b] + mu (1-f)/2 [I2/J^2 - 3 + (J^(2b) - 1)/b], b = nu/(1 - 2 nu)"
     linear = ("mu f", "mu (1-f)")
     nonlinear = ("nu",)
     held: Mapping[str, float] = {"mu f": 0.0, "nu": 0.25}

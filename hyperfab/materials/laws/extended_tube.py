@@ -22,9 +22,7 @@ class ExtendedTube(Law):
     name = "extended-tube"
     title = "limited chain length in tubes of entanglement"
     source = "doi:10.5254/1.3538822"
-    equation = (
-        "W = Gc/2 [(1-d^2)(I1-3)/(1-d^2(I1-3)) + ln(1-d^2(I1-3))] + 2 Ge/beta^2 (sum l^-beta - 3), d = delta"
-    )
+    equation = "W = Gc/2 [(1-d^2)(I1-3)/(1-d^2(I1-3)) + ln(1-d^2(I1-3))] + 2 Ge/beta^2 (sum l^-beta - 3), d = delta"
     linear = ("Gc_MPa", "Ge_MPa")
     nonlinear = ("delta", "beta")
 
@@ -46,9 +44,7 @@ class ExtendedTube(Law):
         first = 0.5 * ((1.0 - d) / left**2 - d / left)
         second = 0.5 * (2.0 * d * (1.0 - d) / left**3 - d * d / left**2)
         return [
-            of_I1(
-                W=lambda: 0.5 * ((1.0 - d) * x / left + np.log1p(-d * x + 0.0 * left)), W1=first, W11=second
-            ),
+            of_I1(W=lambda: 0.5 * ((1.0 - d) * x / left + np.log1p(-d * x + 0.0 * left)), W1=first, W11=second),
             PowerTerm(-beta, factor=-2.0 / beta),
         ]
 

@@ -45,9 +45,7 @@ class Ogden(Law):
 
     def join(self, c: Sequence[float], theta: Sequence[float]) -> dict[str, float]:
         """Return the parameters by name."""
-        return dict(
-            zip(self.names, (float(v) for pair in zip(c, theta, strict=True) for v in pair), strict=True)
-        )
+        return dict(zip(self.names, (float(v) for pair in zip(c, theta, strict=True) for v in pair), strict=True))
 
     def axes(self, extent: Extent) -> list[Axis]:
         """Seek every exponent in the same box, the wider the less the tests stretched."""

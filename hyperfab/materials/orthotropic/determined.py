@@ -35,13 +35,10 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
     ways = {_slant(a) for a in uniaxial if a is not None}
     slanted = {a for a in ways if a % 90.0 > 1e-6}
     # Strips, narrow or wide, nearer to the warp and nearer to the weft tell them apart.
-    strips = {
-        _slant(t.direction) for t in tests if t.mode in ("uniaxial", "shear") and t.direction is not None
-    }
+    strips = {_slant(t.direction) for t in tests if t.mode in ("uniaxial", "shear") and t.direction is not None}
     spread = min(strips, default=45.0) < 45.0 - 1e-6 and max(strips, default=45.0) > 45.0 + 1e-6
     both = spread or (
-        None not in angles
-        and any(test.mode.startswith("biaxial") and test.stress2 is not None for test in tests)
+        None not in angles and any(test.mode.startswith("biaxial") and test.stress2 is not None for test in tests)
     )
     contraction = any(test.contraction is not None for test in tests)
     second = contraction or len(modes) > 1

@@ -79,9 +79,7 @@ class Orthotropic:
         """
         for name, value in parameters.items():
             if name not in NAMES:
-                raise InputError(
-                    "is no constant of orthotropic", key=name, remedy=f"it has {', '.join(NAMES)}"
-                )
+                raise InputError("is no constant of orthotropic", key=name, remedy=f"it has {', '.join(NAMES)}")
             if not math.isfinite(value):
                 raise InputError(f"is not a finite number: {value!r}", key=name)
         found = {**ABSENT, **{name: float(value) for name, value in parameters.items()}}
@@ -94,9 +92,7 @@ class Orthotropic:
             raise InputError("is an angle from the warp, 0 to 90 deg", key="bias_deg")
         stiff = found["C10_MPa"] + found["C2_MPa"]
         if not stiff > 0.0:
-            raise InputError(
-                "the ground has no stiffness at rest (C10_MPa and C2_MPa are zero)", key="C10_MPa"
-            )
+            raise InputError("the ground has no stiffness at rest (C10_MPa and C2_MPa are zero)", key="C10_MPa")
         return cls(found)
 
     @property
@@ -281,9 +277,7 @@ def _chain(
 
 
 @part
-def _thread(
-    k: int, c: Array, k2: float, cos: float, sin: float, bent: bool, w: Array, g: Array, H: Array
-) -> None:
+def _thread(k: int, c: Array, k2: float, cos: float, sin: float, bent: bool, w: Array, g: Array, H: Array) -> None:
     """Add 1/(2 k2) (exp(k2 <I - 1>^2) - 1) of threads along (cos, sin)."""
     along = (cos * cos, sin * sin, 2.0 * cos * sin)
     strain = max(c[0] * along[0] + c[1] * along[1] + c[2] * along[2] - 1.0, 0.0)

@@ -125,9 +125,7 @@ class _Free:
     @property
     def reach(self) -> float:
         """The largest strain I - 1 of the tests."""
-        return (
-            max(max(float(test.stretch.max()), float(across(test).max())) for test in self.tests) ** 2 - 1.0
-        )
+        return max(max(float(test.stretch.max()), float(across(test).max())) for test in self.tests) ** 2 - 1.0
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -260,17 +258,14 @@ class _Free:
 
         The linear problem has none: such a strip shears until its threads lie along the pull.
         """
-        slanted = [
-            t for t in self.tests if t.mode == "uniaxial" and t.direction is not None and t.direction % 90.0
-        ]
+        slanted = [t for t in self.tests if t.mode == "uniaxial" and t.direction is not None and t.direction % 90.0]
         if not slanted or "k1_bias_MPa" not in self.names:
             return []
         stiff = min(float(test.stress[-1] / max(test.stretch[-1] - 1.0, 1e-9)) for test in slanted)
         own = {"C10_MPa": 0.02 * stiff, "C20_MPa": 0.0, "C30_MPa": 0.0, "C2_MPa": 0.0, "G_MPa": 0.02 * stiff}
         own["k1_bias_MPa"] = 0.25 * stiff
         start = [
-            own[name] / self.stress_scale if name in own else value
-            for name, value in zip(self.names, z, strict=True)
+            own[name] / self.stress_scale if name in own else value for name, value in zip(self.names, z, strict=True)
         ]
         return [np.array(start)]
 
@@ -330,9 +325,7 @@ def _stress_slopes(law: Orthotropic, C: Array, free: _Free, z: Array) -> Array:
             # Central differences: their error moves the iteration, not where it ends.
             step = np.zeros_like(theta)
             step[NAMES.index(name) - len(LINEAR)] = size = 1e-5 * max(abs(free.value(name, value)), 1e-3)
-            one = np.einsum(
-                "k,nkj->nj", c, law.stress_terms(C, theta + step) - law.stress_terms(C, theta - step)
-            )
+            one = np.einsum("k,nkj->nj", c, law.stress_terms(C, theta + step) - law.stress_terms(C, theta - step))
             one /= 2.0 * size
         found[:, k] = one * free.slope(name, value)
     return found

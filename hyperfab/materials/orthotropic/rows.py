@@ -86,9 +86,7 @@ class Gathered:
         """The weighted measured stress of each equation; no number where it is one of width."""
         s, h = self.strips, self.held
         across = (h.stress2 * h.weight2)[h.second]
-        return np.concatenate(
-            [s.stress * s.weight, np.full(int(s.second.sum()), np.nan), h.stress * h.weight, across]
-        )
+        return np.concatenate([s.stress * s.weight, np.full(int(s.second.sum()), np.nan), h.stress * h.weight, across])
 
 
 @dataclass(frozen=True)
@@ -123,6 +121,4 @@ def linear_rows(test: TestCurve, nu: float) -> LinearRows:
     if known is None:
         return LinearRows(C, along, None, right)
     weight = test.weights if test.weight2 is None or test.contraction is not None else test.weight2
-    return LinearRows(
-        C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known])
-    )
+    return LinearRows(C, along, (weight * second)[:, None] * frame.nn, np.concatenate([right, weight * known]))

@@ -142,9 +142,7 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
         reduced = own - np.einsum("ni,ni->n", B, solved(H, B))
         closed = np.abs(g).max(axis=1) <= _KEPT * (np.abs(along) + 1e-3 * np.abs(own))
         shear = y[:, 1] / (lam * np.sqrt(y[:, 0]))
-    return Strip(
-        lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed)
-    )
+    return Strip(lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed))
 
 
 @dataclass(frozen=True)

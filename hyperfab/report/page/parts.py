@@ -301,9 +301,7 @@ def light(data: bytes) -> bytes | None:
             if len(data) <= LARGE:
                 picture.verify()
                 return data
-            small = picture.convert("RGB").quantize(
-                256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE
-            )
+            small = picture.convert("RGB").quantize(256, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     except (UnidentifiedImageError, OSError, SyntaxError, ValueError, Image.DecompressionBombError):
         return None
     buffer = io.BytesIO()

@@ -43,9 +43,7 @@ def page(title: str | None, told: Sequence[tuple[Source, Section]], comparison: 
     """
     sources = [source for source, _ in told]
     if not title:
-        title = (
-            f"{KINDS[sources[0].kind]}: {_name(sources[0])}" if len(sources) == 1 else "From fabric to press"
-        )
+        title = f"{KINDS[sources[0].kind]}: {_name(sources[0])}" if len(sources) == 1 else "From fabric to press"
     places = {id(source): f"section-{index + 1}" for index, source in enumerate(sources)}
     items = []
     for source, section in told:
@@ -60,9 +58,7 @@ def page(title: str | None, told: Sequence[tuple[Source, Section]], comparison: 
                 "mark": {True: "pass", False: "fail", None: ""}[section.passed],
                 "badge": {True: "Pass", False: "Does not pass", None: ""}[section.passed],
                 "made_from": made_from,
-                "parts": _grouped(
-                    [_part(part, f"{own}-{index}") for index, part in enumerate(section.parts)]
-                ),
+                "parts": _grouped([_part(part, f"{own}-{index}") for index, part in enumerate(section.parts)]),
                 "warnings": grouped_warnings(section.warnings),
                 "count": len(section.warnings),
             }
@@ -263,9 +259,7 @@ def _provenance(sources: Sequence[Source]) -> Table:
 
 def _name(source: Source) -> str:
     """Return what a section is called: studies all write sweep.json, and have a name of their own."""
-    return (
-        str(source.data.get("name") or _short(source.name)) if source.kind == "sweep" else _short(source.name)
-    )
+    return str(source.data.get("name") or _short(source.name)) if source.kind == "sweep" else _short(source.name)
 
 
 def _short(name: str) -> str:

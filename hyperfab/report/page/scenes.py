@@ -176,11 +176,7 @@ def _has(grid: Grid, field: Field) -> bool:
 
 def _field(grid: Grid, surface: Surface, field: Field) -> dict[str, Any]:
     at_points = field.array in grid.point_data
-    values = (
-        grid.point_data[field.array][surface.origin]
-        if at_points
-        else grid.cell_data[field.array][surface.cells]
-    )
+    values = grid.point_data[field.array][surface.origin] if at_points else grid.cell_data[field.array][surface.cells]
     values = np.asarray(values, dtype=np.float64)
     finite = np.isfinite(values)
     low, high = (float(values[finite].min()), float(values[finite].max())) if finite.any() else (0.0, 1.0)

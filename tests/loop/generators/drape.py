@@ -36,9 +36,7 @@ class Truth:
 def draw(random: Generator, effects: tuple[str, ...], larger: float = 1.0) -> Truth:
     """Return a sheet with effects of random size, ``larger`` than usual."""
     soft = 1.0 + 0.05 * random.standard_normal(2)
-    sizes = {
-        name: np.array([min(larger * random.uniform(0.5, 1.0), 1.4), random.uniform()]) for name in effects
-    }
+    sizes = {name: np.array([min(larger * random.uniform(0.5, 1.0), 1.4), random.uniform()]) for name in effects}
     return Truth(effects, sizes, (float(soft[0]), float(soft[1])))
 
 
@@ -188,9 +186,7 @@ class Net:
                 slip = x[old] - centre - anchors[old]
                 size = np.linalg.norm(slip, axis=1)
                 most = self.mu * pressure[old] / HELD
-                anchors[old] += (
-                    np.where(size > most, 1.0 - most / np.maximum(size, 1e-12), 0.0)[:, None] * slip
-                )
+                anchors[old] += np.where(size > most, 1.0 - most / np.maximum(size, 1e-12), 0.0)[:, None] * slip
         return x.reshape(NODES, NODES, 3)
 
 
@@ -204,9 +200,7 @@ def _add(rows: list[Array], cols: list[Array], vals: list[Array], p: Array, q: A
 
 @cache
 def _draped(effects: tuple[str, ...], sizes: tuple[float, ...], soft: tuple[float, float]) -> Array:
-    return Net(
-        Truth(effects, {k: np.array([v, 0.0]) for k, v in zip(effects, sizes, strict=True)}, soft)
-    ).drape()
+    return Net(Truth(effects, {k: np.array([v, 0.0]) for k, v in zip(effects, sizes, strict=True)}, soft)).drape()
 
 
 def measure(truth: Truth, random: Generator, noise: float, protocol: str) -> tuple[Array, Array]:
@@ -249,9 +243,7 @@ def ball_stl(rings: int = 60, around: int = 120) -> bytes:
     phi = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
     points = [np.array([0.0, 0.0, BALL])]
     points += [
-        BALL * np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)])
-        for t in theta[1:]
-        for p in phi
+        BALL * np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)]) for t in theta[1:] for p in phi
     ]
     points.append(np.array([0.0, 0.0, BALL * np.cos(theta[-1])]))
     faces = []

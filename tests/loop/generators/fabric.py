@@ -244,9 +244,7 @@ def _mullins(lam: Array, draw: dict[str, float]) -> Array:
     peak = np.maximum.accumulate(lam)
     share = np.where(peak > 1.0, (lam - 1.0) / np.maximum(peak - 1.0, 1e-12), 1.0)
     if draw["kind"] < 1:
-        return 1.0 - 0.4 * draw["size"] * (1.0 - share ** (0.7 + draw["shape"])) * np.minimum(
-            (peak - 1.0) / 0.3, 1.0
-        )
+        return 1.0 - 0.4 * draw["size"] * (1.0 - share ** (0.7 + draw["shape"])) * np.minimum((peak - 1.0) / 0.3, 1.0)
     wm, w = peak**2 + 2.0 / peak - 3.0, lam**2 + 2.0 / lam - 3.0
     return 1.0 - 0.4 * draw["size"] * np.tanh((wm - w) / (0.15 + 0.3 * wm))
 
@@ -310,22 +308,16 @@ def _outside(truth: Truth, p: Array, lam: Array, t: Array, number: int) -> Array
     top = float(np.max(p))
     d = truth.draws
     if "ripple" in d:
-        p = p + 0.06 * d["ripple"]["size"] * top * np.sin(
-            2.0 * np.pi * (lam - 1.0) / 0.06 + d["ripple"]["shape"]
-        )
+        p = p + 0.06 * d["ripple"]["size"] * top * np.sin(2.0 * np.pi * (lam - 1.0) / 0.06 + d["ripple"]["shape"])
     if "one-gain" in d and number in (2, 4):
         p = p * (
             1.0
-            + (0.25 if number == 2 else -0.2)
-            * d["one-gain"]["size"]
-            * (1.0 if d["one-gain"]["shape"] < 0.5 else -1.0)
+            + (0.25 if number == 2 else -0.2) * d["one-gain"]["size"] * (1.0 if d["one-gain"]["shape"] < 0.5 else -1.0)
         )
     if "stick-slip" in d:
         phase = (lam - 1.0) / (0.04 + 0.02 * d["stick-slip"]["shape"])
         p = p + 0.08 * d["stick-slip"]["size"] * top * (phase - np.floor(phase) - 0.5)
     if "fatigue-stiffening" in d:
-        turns = np.cumsum(np.concatenate([[0.0], (np.diff(lam)[1:] > 0) & (np.diff(lam)[:-1] < 0), [0.0]]))[
-            : len(p)
-        ]
+        turns = np.cumsum(np.concatenate([[0.0], (np.diff(lam)[1:] > 0) & (np.diff(lam)[:-1] < 0), [0.0]]))[: len(p)]
         p = p * (1.0 + 0.15 * d["fatigue-stiffening"]["size"] * np.sqrt(turns))
     return p

@@ -61,9 +61,7 @@ def draw(random: Generator, effects: Sequence[str], kind: int | None = None) -> 
             alone = _clean(replace(truth, effects=(effect,)), usual)
             gap = [one.stress - other.stress for one, other in zip(alone, plain, strict=True)]
             share = size * peak / max(float(np.sqrt(np.mean(np.concatenate(gap) ** 2))), 1e-9)
-            draws[effect]["amount"] = float(
-                np.clip(draws[effect]["amount"] * np.clip(share, 0.3, 3.0), 0.0, 0.9)
-            )
+            draws[effect]["amount"] = float(np.clip(draws[effect]["amount"] * np.clip(share, 0.3, 3.0), 0.0, 0.9))
     return truth
 
 
@@ -216,9 +214,7 @@ def _viscous(truth: Truth, p: Array, t: Array, top: float) -> Array:
     if d["kind"] < 1:
         power, time = 0.3 + 0.3 * d["u"], 10.0 ** (0.5 + 1.5 * d["u"])
         middle = 0.5 * (t[1:] + t[:-1])
-        found = [
-            float(steps[:k] @ np.exp(-(((now - middle[:k]) / time) ** power))) for k, now in enumerate(t)
-        ]
+        found = [float(steps[:k] @ np.exp(-(((now - middle[:k]) / time) ** power))) for k, now in enumerate(t)]
         return d["amount"] * np.array(found)
     q, out = np.zeros(2), [0.0]
     for step, dt, load in zip(steps, np.diff(t), p[1:] / top, strict=True):

@@ -109,9 +109,7 @@ def draw(random: Generator, effects: Sequence[str], kind: int | None = None) -> 
     truth_kind = {}
     for number, effect in enumerate(effects):
         most = KINDS.get(effect, 1)
-        truth_kind[effect] = (
-            kind % most if kind is not None and number == 0 else int(random.integers(0, most))
-        )
+        truth_kind[effect] = kind % most if kind is not None and number == 0 else int(random.integers(0, most))
     if "elastic-law" in effects:
         base = ("chain", "toe", "second-invariant", "exponential")[truth_kind["elastic-law"]]
     truth = Truth(tuple(effects), elastic_law(random, base), seed=int(random.integers(0, 2**31)))
@@ -242,9 +240,7 @@ def _damage(lam: Array, draw: dict[str, float]) -> Array:
     if kind == 0:  # exponential in the distance to the peak
         return 1.0 - 0.35 * size * (1.0 - np.exp(-(peak - lam) / (0.05 + 0.2 * shape)))
     if kind == 1:  # more with every cycle
-        turns = np.concatenate(
-            [[0.0], np.cumsum((np.diff(lam, append=lam[-1])[1:] < 0) & (np.diff(lam) >= 0))]
-        )
+        turns = np.concatenate([[0.0], np.cumsum((np.diff(lam, append=lam[-1])[1:] < 0) & (np.diff(lam) >= 0))])
         runs = 1.0 - 0.6 ** np.maximum(turns, 0.0)
         return 1.0 - 0.5 * size * runs * (1.0 - below**1.5)
     if kind == 2:  # damage of the whole curve by the largest stretch, saturating
@@ -311,17 +307,13 @@ def _viscous(p: Array, lam: Array, t: Array, setup: Setup, draw: dict[str, float
     top, n = max(float(np.max(p)), 1e-12), len(p)
     if kind == 0:  # a power law of the rate
         return p * (setup.rate / 0.03) ** (0.06 * size)
-    if (
-        kind == 1
-    ):  # a springpot (Grunwald-Letnikov on a log-spaced sum of exponentials would be Prony: direct sum)
+    if kind == 1:  # a springpot (Grunwald-Letnikov on a log-spaced sum of exponentials would be Prony: direct sum)
         order = 0.15 + 0.25 * shape
         found, step = p.copy(), np.diff(t)
         slope = np.where(step > 0.0, np.diff(p) / np.where(step > 0.0, step, 1.0), 0.0)
         for i in range(1, n):
             ago, near = t[i] - t[:i], t[i] - t[1 : i + 1]
-            found[i] += (
-                0.5 * size * float(slope[:i] @ (ago ** (1.0 - order) - near ** (1.0 - order))) * 3.0**order
-            )
+            found[i] += 0.5 * size * float(slope[:i] @ (ago ** (1.0 - order) - near ** (1.0 - order))) * 3.0**order
         return found
     if kind == 2:  # a Maxwell element on the strain, not the stress
         tau, stiff, q, found = 10.0 ** (0.3 + 1.3 * shape), 0.5 * size * top, 0.0, p.copy()

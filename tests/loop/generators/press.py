@@ -99,9 +99,7 @@ class Press:
         phi = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
         t, p = (one.ravel() for one in np.meshgrid(theta, phi, indexing="ij"))
         self.cap = MALE * np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], axis=1)
-        self.area = (
-            np.repeat(0.5 * most * weights * np.sin(theta), len(phi)) * MALE**2 * 2.0 * np.pi / len(phi)
-        )
+        self.area = np.repeat(0.5 * most * weights * np.sin(theta), len(phi)) * MALE**2 * 2.0 * np.pi / len(phi)
 
     def hot(self, cold: Array) -> Array:
         """Return where places (n, 3) of the cold male are."""
@@ -157,9 +155,7 @@ class Press:
         if "foam-softening" not in self.truth.size:
             return 1.0
         big, _, share = self.truth.size["foam-softening"]
-        return float(
-            1.0 - min(0.5 * big, 0.8) * (max(temperature - 20.0, 0.0) / 180.0) ** (0.7 + 0.8 * share)
-        )
+        return float(1.0 - min(0.5 * big, 0.8) * (max(temperature - 20.0, 0.0) / 180.0) ** (0.7 + 0.8 * share))
 
     def knit(self, pressure: Array) -> Array:
         """Return the strain of fabric under pressures: van Wyk's fibres, of which ever more touch."""

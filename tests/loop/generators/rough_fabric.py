@@ -82,9 +82,7 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
         d, random = truth.of("thermal-softening")
         fall = 0.25 * d["size"] * rising(random)(np.array([hot]))[0]
         p = p * (1.0 - fall * (1.2 - 0.5 * rising(random)(e / 0.6))) if hot > 0.0 else p
-        p = p + (
-            fall * 0.1 * top * np.tanh(e / 0.05) if d["kind"] > 0 else 0.0
-        )  # entropy: a little stiffer at first
+        p = p + (fall * 0.1 * top * np.tanh(e / 0.05) if d["kind"] > 0 else 0.0)  # entropy: a little stiffer at first
     if "mullins" in own:
         d, random = truth.of("mullins")
         energy = np.maximum(np.concatenate([[0.0], np.cumsum(0.5 * (p[1:] + p[:-1]) * np.diff(lam))]), 0.0)
@@ -92,10 +90,7 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
         worst = np.maximum(np.maximum.accumulate(energy if d["kind"] < 1 else np.abs(p)), 1e-9)
         level = np.minimum(e / most, 1.0)
         deep, shape = rising(random), rising(random)
-        p = p * (
-            1.0
-            - 0.35 * d["size"] * deep(worst / (0.25 * top if d["kind"] < 1 else top)) * (1.0 - shape(level))
-        )
+        p = p * (1.0 - 0.35 * d["size"] * deep(worst / (0.25 * top if d["kind"] < 1 else top)) * (1.0 - shape(level)))
     if "hysteresis" in own:
         p = p + _loop(truth, e, p, top, across)
     if "rate" in own or "rest" in own:
@@ -106,11 +101,7 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
         p = p / (1.0 + 0.2 * d["size"] * (p / top) ** 3)
     if "load-offset" in own:
         d, random = truth.of("load-offset")
-        day = (
-            rising(random)(0.15 * number + 0.5 * t / t[-1])
-            if d["kind"] > 0
-            else 0.6 + rising(random)(t / 5e3 % 2.0)
-        )
+        day = rising(random)(0.15 * number + 0.5 * t / t[-1]) if d["kind"] > 0 else 0.6 + rising(random)(t / 5e3 % 2.0)
         p = p + 0.05 * d["size"] * top * day
     rows = slice(None, None, 4)
     return Reading(setup, t[rows], lam[rows], p[rows], None if width is None else width[rows])
@@ -176,9 +167,7 @@ def _relaxing(truth: Truth, e: Array, p: Array, t: Array, top: float) -> Array:
         d, random = truth.of("rest")
         now, out = 0.0, [0.0]
         for dt, load in zip(np.diff(t), p[1:] / top, strict=True):
-            now += (
-                (0.3 * d["size"] * load - now) * -math.expm1(-dt / 60.0) if load > 0.2 else -now * dt / 90.0
-            )
+            now += (0.3 * d["size"] * load - now) * -math.expm1(-dt / 60.0) if load > 0.2 else -now * dt / 90.0
             out.append(now)
         return p * (1.0 - np.clip(out, 0.0, 0.6))
     d, random = truth.of("rate")

@@ -130,9 +130,7 @@ def _answer(truth: Truth, setup: Setup, number: int) -> Reading:
     if "anisotropy" in own:
         d, random = truth.of("anisotropy")
         across = (
-            math.sin(math.radians(setup.angle)) ** 2
-            if setup.mode == "uniaxial"
-            else 0.5 * (setup.mode == "biaxial")
+            math.sin(math.radians(setup.angle)) ** 2 if setup.mode == "uniaxial" else 0.5 * (setup.mode == "biaxial")
         )
         strain = own_lam**2 - 1.0
         more = top * 0.4 * d["size"] * rising(random)(strain / 1.5) * own_lam

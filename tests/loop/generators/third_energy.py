@@ -33,9 +33,7 @@ class Truth:
     elastic: str
     draws: dict[str, dict[str, float]]
     seed: int
-    laws: dict[tuple[str, float], tuple[Curve, Curve]] = field(
-        default_factory=dict, repr=False, compare=False
-    )
+    laws: dict[tuple[str, float], tuple[Curve, Curve]] = field(default_factory=dict, repr=False, compare=False)
 
     def of(self, effect: str) -> dict[str, float] | None:
         """Return the constants of an effect, None where the fabric lacks it."""
@@ -125,20 +123,15 @@ def _base(truth: Truth, i1: Array, i2: Array) -> Array:
     mu = d["mu"]
     if truth.elastic == "gent-i2":
         limit = at(d, "u1", 6.0, 20.0)
-        return mu * (
-            -0.5 * limit * np.log(1.0 - (i1 - 3.0) / limit) + at(d, "u2", 0.15, 0.6) * np.log(i2 / 3.0)
-        )
+        return mu * (-0.5 * limit * np.log(1.0 - (i1 - 3.0) / limit) + at(d, "u2", 0.15, 0.6) * np.log(i2 / 3.0))
     if truth.elastic == "eight-chain-i2":
         n = at(d, "u1", 2.8, 6.0)
-        return mu * (
-            n * _langevin_energy(i1 / 3.0 / n) + at(d, "u2", 0.3, 1.2) * (np.sqrt(i2) - math.sqrt(3.0))
-        )
+        return mu * (n * _langevin_energy(i1 / 3.0 / n) + at(d, "u2", 0.3, 1.2) * (np.sqrt(i2) - math.sqrt(3.0)))
     if truth.elastic == "davies-de-thomas":
         power, soft = 1.0 - at(d, "u1", 0.2, 0.5) / 2.0, at(d, "u2", 0.005, 0.05)
         stiff = at(d, "u3", 0.02, 0.08)
         return mu * (
-            ((i1 - 3.0 + soft) ** power - soft**power) / (2.0 * power)
-            + stiff * np.maximum(i1 - 3.0, 0.0) ** 2
+            ((i1 - 3.0 + soft) ** power - soft**power) / (2.0 * power) + stiff * np.maximum(i1 - 3.0, 0.0) ** 2
         )
     if truth.elastic == "lopez-pamies":
         w = np.zeros_like(i1)
@@ -209,23 +202,14 @@ def _directed(d: dict[str, float], angle: float, c11: Array, c12: Array, c22: Ar
         kappa, spread = at(d, "u1", 0.03, 0.18), math.radians(at(d, "u2", 8.0, 30.0))
         w = np.zeros_like(c11)
         for lean in (spread, -spread):
-            i4 = (
-                warp * math.cos(lean) ** 2
-                + weft * math.sin(lean) ** 2
-                + 2.0 * cross * math.sin(lean) * math.cos(lean)
-            )
+            i4 = warp * math.cos(lean) ** 2 + weft * math.sin(lean) ** 2 + 2.0 * cross * math.sin(lean) * math.cos(lean)
             e = np.maximum(kappa * (c11 + c22 + c33 - 3.0) + (1.0 - 3.0 * kappa) * (i4 - 1.0), 0.0)
             w = w + np.expm1(at(d, "u3", 0.1, 0.5) * e**2)
         return w
     if d["kind"] == 1:
         e1, e2, e12 = (warp - 1.0) / 2.0, (weft - 1.0) / 2.0, cross / 2.0
         a1, a2 = at(d, "u1", 0.8, 1.5), at(d, "u2", 0.1, 0.4)
-        q = (
-            a1 * e1**2
-            + a2 * e2**2
-            + 2.0 * 0.5 * math.sqrt(a1 * a2) * e1 * e2
-            + at(d, "u3", 0.2, 2.0) * e12**2
-        )
+        q = a1 * e1**2 + a2 * e2**2 + 2.0 * 0.5 * math.sqrt(a1 * a2) * e1 * e2 + at(d, "u3", 0.2, 2.0) * e12**2
         return np.expm1(q)
     if d["kind"] == 2:
         a = (np.arange(36) + 0.5) * np.pi / 36

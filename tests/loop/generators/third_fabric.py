@@ -126,24 +126,16 @@ def _answer(truth: Truth, setup: Setup, number: int, fine: int) -> Reading:
     lasting = 1.0 + _lasting(truth.of("permanent-set"), inside, t, stress_of, top)
     taut = np.maximum(inside / lasting, 1.0)
     p = stress_of(taut) * _softened(truth.of("mullins"), setup.mode, taut)
-    p = (
-        p
-        * _warm(truth.of("thermal-softening"), setup.temperature, taut)
-        * _drifted(truth, inside, clock, number)
-    )
+    p = p * _warm(truth.of("thermal-softening"), setup.temperature, taut) * _drifted(truth, inside, clock, number)
     p = p + _loop(truth.of("hysteresis"), taut, p, top) + _viscous(truth.of("rate"), p, t, top)
     p = np.maximum(p, 0.0) + top * _cell(truth, setup, number, clock)
     width = width_of(taut) / np.sqrt(lasting) if setup.mode == "uniaxial" else None
     read = lam
-    if d := truth.of(
-        "gauge-slip"
-    ):  # the feelers of the strain gauge slide once, as the stretch passes a point
+    if d := truth.of("gauge-slip"):  # the feelers of the strain gauge slide once, as the stretch passes a point
         place, way = own.uniform(1.1, 1.4), 0.05 * d["amount"] * own.uniform(0.5, 1.5)
         read = lam - way * (np.maximum.accumulate(lam) > place)
     rows = slice(None, None, fine)
-    return Reading(
-        setup, t[rows], read[rows], p[rows], None if width is None else width[rows], f"strip {number + 1}"
-    )
+    return Reading(setup, t[rows], read[rows], p[rows], None if width is None else width[rows], f"strip {number + 1}")
 
 
 def _places(random: Generator) -> dict[str, float]:
@@ -228,14 +220,7 @@ def _softened(d: dict[str, float] | None, mode: str, lam: Array) -> Array:
     if d["kind"] == 0:
         n = at(d, "u1", 3.0, 7.0)
         longer = n * (1.0 + d["amount"] * (np.sqrt(past) - 1.0))
-        return (
-            (3.0 - chain / longer)
-            / (1.0 - chain / longer)
-            / (3.0 - chain / n)
-            * (1.0 - chain / n)
-            * n
-            / longer
-        )
+        return (3.0 - chain / longer) / (1.0 - chain / longer) / (3.0 - chain / n) * (1.0 - chain / n) * n / longer
     if d["kind"] == 1:
         root, soft = at(d, "u1", 4.0, 6.0), at(d, "u2", 0.35, 0.5)
 
@@ -316,9 +301,7 @@ def _loop(d: dict[str, float] | None, lam: Array, p: Array, top: float) -> Array
         keep = (mean - half >= 1.0) & (weigh > 1e-3)
         on, off, weigh = (mean + half)[keep], (mean - half)[keep], weigh[keep]
         state = np.zeros_like(on)
-        for here in lam[
-            1:
-        ].tolist():  # a crossing drags until it lets go, and holds back until it falls in again
+        for here in lam[1:].tolist():  # a crossing drags until it lets go, and holds back until it falls in again
             state[on <= here] = 1.0
             state[off >= here] = 0.0
             out.append(float((1.0 - 2.0 * state) @ (weigh * ((off < here) & (here < on)))))
@@ -366,11 +349,7 @@ def _viscous(d: dict[str, float] | None, p: Array, t: Array, top: float) -> Arra
     if d["kind"] == 0:
         alpha, log_rate = at(d, "u2", 0.35, 0.7), np.linspace(-9.0, 9.0, 31)
         r = np.exp(log_rate)
-        weigh = (
-            r**alpha
-            * math.sin(math.pi * alpha)
-            / (r ** (2 * alpha) + 2 * r**alpha * math.cos(math.pi * alpha) + 1)
-        )
+        weigh = r**alpha * math.sin(math.pi * alpha) / (r ** (2 * alpha) + 2 * r**alpha * math.cos(math.pi * alpha) + 1)
         rates = r / tau
     elif d["kind"] == 2:
         odd = np.arange(1.0, 40.0, 2.0)

@@ -66,9 +66,7 @@ class DataContext:
         """At how many temperatures specimens were pulled at several rates, or held."""
         at: dict[float, list[slice]] = {}
         for rows in self.path.curves:
-            at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(
-                rows
-            )
+            at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(rows)
         return sum(self._tell_time(curves) for curves in at.values())
 
     def _tell_time(self, curves: Sequence[slice]) -> bool:

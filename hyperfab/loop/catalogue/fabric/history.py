@@ -172,18 +172,14 @@ def permanent_set(context: DataContext) -> Effect:
     curved = [Form(f"{one.name}-power", (share, power), ((0.1, 1.4),), refines=one.name) for one in plain]
     reach = context.reach
     bend = Constant("bend", 0.0, -4.0 / reach, 8.0 / reach, 0.5 / reach)
-    curved += [
-        Form(f"{one.name}-bent", (share, bend), ((0.1, 1.0 / reach),), refines=one.name) for one in plain[:2]
-    ]
+    curved += [Form(f"{one.name}-bent", (share, bend), ((0.1, 1.0 / reach),), refines=one.name) for one in plain[:2]]
     crept = Form(
         "crept",
         (share, Constant("strain", reach, 0.05 * reach, 50.0 * reach, reach)),
         ((0.1, reach),),
         ((0.01, 0.5 * reach), (0.01, 3.0 * reach)),
     )
-    more = Form(
-        "cycles", (share, Constant("power", 0.5, 0.0, 2.0, 0.3)), ((0.05, 0.5),), ((0.01, 0.2), (0.01, 1.0))
-    )
+    more = Form("cycles", (share, Constant("power", 0.5, 0.0, 2.0, 0.3)), ((0.05, 0.5),), ((0.01, 0.2), (0.01, 1.0)))
     # The same with strains that add rather than stretches that multiply.
     sums = [
         Form(f"{one.name}-added", one.constants, one.starts, refines=one.name)

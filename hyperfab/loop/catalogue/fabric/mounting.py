@@ -49,9 +49,7 @@ def grip_slack(context: DataContext) -> Effect:
     forms += tried_if(told, *by_load)
     holds = Constant("holds_MPa", 0.2 * peak, 0.0, 0.95 * peak, 0.05 * peak)
     begin = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
-    slips = Form(
-        "slips", (told_to, replace(give, high=5.0 * high), holds), begin, ((peak, little, 0.2 * peak),)
-    )
+    slips = Form("slips", (told_to, replace(give, high=5.0 * high), holds), begin, ((peak, little, 0.2 * peak),))
     forms += tried_if(context.unloads, slips)
     # A specimen may be mounted taut, but no grip goes against the load.
     alongs = (

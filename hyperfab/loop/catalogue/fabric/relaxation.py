@@ -138,9 +138,7 @@ def _shares(count: int) -> list[Constant]:
     return [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, count + 1)]
 
 
-def _by_the_clock_of_the_material(
-    context: DataContext, forms: Sequence[Form], free: Form
-) -> tuple[list[Form], Form]:
+def _by_the_clock_of_the_material(context: DataContext, forms: Sequence[Form], free: Form) -> tuple[list[Form], Form]:
     """Return Maxwell branches, and the spectrum ``free``, whose times shift with temperature."""
     kelvin = 273.15 + (float(np.mean(context.temperatures)) if len(context.temperatures) else 20.0)
     clock = Constant("shift_1_K", 0.0, 0.0, 1.0, 0.02), Constant("fall_K", kelvin, 20.0, 2000.0, 50.0)

@@ -42,9 +42,7 @@ def anisotropy(context: DataContext) -> Effect:
     softer, stiffer, little = (
         tuple(float(v) for v in np.where(linear, factor * c, 0.0)) for factor in (-0.5, 1.0, 0.05)
     )
-    singles = [
-        tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in np.flatnonzero(linear)
-    ]
+    singles = [tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in np.flatnonzero(linear)]
     forms = [
         Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
         Form("constants", tuple(away), (softer, stiffer), (little, *singles)),
@@ -104,9 +102,7 @@ def anisotropy(context: DataContext) -> Effect:
     )
 
 
-def _bias_threads(
-    warp: Constant, across: Constant, growth: Constant, stiff: float, far: float, turns: bool
-) -> Form:
+def _bias_threads(warp: Constant, across: Constant, growth: Constant, stiff: float, far: float, turns: bool) -> Form:
     """Return threads along warp and weft and a pair between them: what is pulled along one answers along the other.
 
     Where the data tell how the pair is inclined, it ``turns``.
@@ -257,9 +253,7 @@ def _more_of_a_foam(context: DataContext, n: int) -> Effect:
     forms = [Form(f"term-{n + 1}", term(n + 1), starts, probes)] if n < most else []
     if n + 2 <= most:
         two = tuple((*one, *other) for one, other in zip(starts, starts[3:], strict=False))
-        forms.append(
-            Form(f"terms-{n + 1}-{n + 2}", (*term(n + 1), *term(n + 2)), two, refines=f"term-{n + 1}")
-        )
+        forms.append(Form(f"terms-{n + 1}-{n + 2}", (*term(n + 1), *term(n + 2)), two, refines=f"term-{n + 1}"))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",

@@ -88,9 +88,7 @@ def _ogden(material: Material, settings: Settings) -> list[str]:
 
 
 def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
-    return _card(
-        "*HYPERELASTIC, ARRUDA-BOYCE", [material.c[0], material.theta[0], *volumetric(settings, 1)], settings
-    )
+    return _card("*HYPERELASTIC, ARRUDA-BOYCE", [material.c[0], material.theta[0], *volumetric(settings, 1)], settings)
 
 
 def _foam(law: Hyperfoam, settings: Settings) -> list[str]:

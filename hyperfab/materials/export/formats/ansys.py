@@ -65,9 +65,7 @@ def _two(option: str) -> Writer:
 def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
     if (law.alpha, law.nu) == ((-2.0,), (0.25,)):
         return _table("BLATZ", None, law.mu, settings)
-    pairs = [
-        value for mu, alpha in zip(law.mu, law.alpha, strict=True) for value in (2.0 * mu / alpha, alpha)
-    ]
+    pairs = [value for mu, alpha in zip(law.mu, law.alpha, strict=True) for value in (2.0 * mu / alpha, alpha)]
     return _table("FOAM", len(law.mu), [*pairs, *map(float, law.beta)], settings)
 
 

@@ -38,9 +38,7 @@ from hyperfab.materials.orthotropic import Orthotropic
 _STIFF = 1000.0
 
 
-def _material(
-    kind: str, values: Sequence[tuple[str, float]], material: Material, settings: Settings
-) -> list[str]:
+def _material(kind: str, values: Sequence[tuple[str, float]], material: Material, settings: Settings) -> list[str]:
     bulk = settings.bulk_modulus
     if bulk is None:
         bulk = _STIFF * shear_modulus(material)
@@ -116,9 +114,7 @@ def _series(material: Material, settings: Settings) -> list[str]:
 
 def _ogden(material: Material, settings: Settings) -> list[str]:
     values = [
-        pair
-        for k, (mu, alpha) in enumerate(pairs(material), 1)
-        for pair in ((f"c{k}", mu * alpha), (f"m{k}", alpha))
+        pair for k, (mu, alpha) in enumerate(pairs(material), 1) for pair in ((f"c{k}", mu * alpha), (f"m{k}", alpha))
     ]
     return _material("Ogden", values, material, settings)
 

@@ -31,10 +31,7 @@ def build(source: Source) -> Section:
 
 
 def _there(source: Source, name: str) -> bool:
-    if (
-        not name.endswith((".vtu", ".csv", ".png"))
-        or name.removesuffix(".vtu").rpartition(".")[2].isdecimal()
-    ):
+    if not name.endswith((".vtu", ".csv", ".png")) or name.removesuffix(".vtu").rpartition(".")[2].isdecimal():
         return True
     return source.sibling(name) is not None
 
@@ -58,9 +55,7 @@ def _sure(source: Source) -> list[Part]:
                 ),
                 *(
                     Cell(f"{text} {unit}".strip(), f"{band[end]!r} {unit}".strip(), True)
-                    for end, text in zip(
-                        ("low", "high"), interval(band["low"], band["high"], band["sd"]), strict=True
-                    )
+                    for end, text in zip(("low", "high"), interval(band["low"], band["high"], band["sd"]), strict=True)
                 ),
                 word(shares(band["budget"])),
             ]
@@ -73,9 +68,7 @@ def _sure(source: Source) -> list[Part]:
     names = [title(key) for key in bands]
     traces = []
     for colour, one in enumerate(sources):
-        each = [
-            next((s["share"] for s in band["budget"] if s["source"] == one), 0.0) for band in bands.values()
-        ]
+        each = [next((s["share"] for s in band["budget"] if s["source"] == one), 0.0) for band in bands.values()]
         traces.append(bars(one, names, [100.0 * share for share in each], colour))
     told_of = f"Most of {names[0]} comes from {next(iter(bands.values()))['budget'][0]['source']}."
     found.append(

@@ -68,9 +68,7 @@ def section(source: Source) -> Section:
     )
     steps = data.get("newton_iterations_total", data["newton_iterations"])
     found.parts += asked(data)
-    found.parts.append(
-        computed(("steps of Newton's method", number(steps)), ("unknowns", number(data["unknowns"])))
-    )
+    found.parts.append(computed(("steps of Newton's method", number(steps)), ("unknowns", number(data["unknowns"]))))
     return found
 
 

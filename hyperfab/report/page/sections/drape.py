@@ -54,11 +54,7 @@ def section(source: Source) -> Section:
                 ("greatest stress along weft", number(data["stress_weft_max_MPa"], "MPa")),
                 ("thinnest place", number(data["thickness_min_mm"], "mm")),
                 ("nodes on the mold", number(data["contact_nodes"])),
-                *(
-                    [("springs on its edges", number(data["contact_edges"]))]
-                    if data.get("contact_edges")
-                    else []
-                ),
+                *([("springs on its edges", number(data["contact_edges"]))] if data.get("contact_edges") else []),
                 (f"slack {_pieces(data)}", number(data["slack_springs"])),
                 ("deepest inside the mold", number(data["penetration_max_mm"], "mm", 2)),
                 ("strain energy", number(data["energy_J"], "J")),
@@ -76,9 +72,7 @@ def section(source: Source) -> Section:
     table = columns(source.sibling(".csv"), source.name)
     if {"iteration", "energy_J"} <= set(table):
         energy = floats(table["energy_J"])
-        sizes = [
-            f"{x} x {y}" for x, y in zip(table.get("nodes_x", []), table.get("nodes_y", []), strict=False)
-        ]
+        sizes = [f"{x} x {y}" for x, y in zip(table.get("nodes_x", []), table.get("nodes_y", []), strict=False)]
         traces = [
             line(f"grid of {size}", *_of_size(energy, sizes, size), colour)
             for colour, size in enumerate(dict.fromkeys(sizes))

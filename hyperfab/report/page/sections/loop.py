@@ -54,9 +54,7 @@ def section(source: Source) -> Section:
     else:
         found.figures = [Figure(missed, "the model misses measurement by")]
     sound = data["verdict"] != "unexplained"
-    found.claim = (
-        f"the model meets measurement to {missed}" if sound else f"the model misses measurement by {missed}"
-    )
+    found.claim = f"the model meets measurement to {missed}" if sound else f"the model misses measurement by {missed}"
     if data.get("effects"):
         found.parts.append(_effects(data["effects"]))
     if data.get("candidates"):

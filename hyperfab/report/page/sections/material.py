@@ -94,9 +94,7 @@ def _fits(parts: dict[str, Any]) -> Table:
                     word(f"{test} {direction}".strip()),
                     word(use),
                     number(figures["points"]),
-                    percent(figures["relative_rms"])
-                    if "relative_rms" in figures
-                    else word(figures.get("status", "")),
+                    percent(figures["relative_rms"]) if "relative_rms" in figures else word(figures.get("status", "")),
                     percent(figures["nrmse"]) if "nrmse" in figures else word(""),
                     number(figures.get("E2")),
                 ]
@@ -128,8 +126,7 @@ def _curves(source: Source) -> Iterator[Chart]:
     for colour, (key, rows) in enumerate(sorted(groups.items(), key=_order)):
         test, direction, temperature, predicted = key
         stretch, stress, model = (
-            floats([table[name][row] for row in rows])
-            for name in ("stretch", "stress_MPa", "stress_model_MPa")
+            floats([table[name][row] for row in rows]) for name in ("stretch", "stress_MPa", "stress_model_MPa")
         )
         heat = f" {float(temperature):g} °C" if warm and temperature else ""
         name = f"{test} {direction}".strip() + heat
@@ -190,9 +187,7 @@ def _stability(parts: dict[str, Any]) -> Table:
                     word(ends.get(span.get("ended_by", ""), "")),
                 ]
             )
-    return Table(
-        "Stretches over which the constants are stable (Drucker)", ["mode", "from", "to", "end"], rows
-    )
+    return Table("Stretches over which the constants are stable (Drucker)", ["mode", "from", "to", "end"], rows)
 
 
 def _models(models: list[dict[str, Any]]) -> Table:

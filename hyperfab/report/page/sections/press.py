@@ -47,9 +47,7 @@ def section(source: Source) -> Section:
         Figure(banded(data, "pressure_max_MPa", "kPa", 1000.0, ".2g"), "greatest pressure"),
     ]
     if data["converged"]:
-        found.claim = (
-            f"{share} of the molding surface touches under {banded(data, 'force_N', 'N', form='.3g')}"
-        )
+        found.claim = f"{share} of the molding surface touches under {banded(data, 'force_N', 'N', form='.3g')}"
     found.parts += views(
         source, "The male mold, as blue paint would show it.", "The male mold coloured by contact.", _FIELDS
     )
@@ -132,9 +130,7 @@ def _regions(regions: list[Any]) -> Table:
         for region in sorted(regions, key=lambda region: -region["area_mm2"])[:MAX_REGIONS]
     ]
     more = len(regions) - len(rows)
-    caption = "Regions of the male surface" + (
-        f" (the {MAX_REGIONS} largest; {more} more)" if more > 0 else ""
-    )
+    caption = "Regions of the male surface" + (f" (the {MAX_REGIONS} largest; {more} more)" if more > 0 else "")
     return Table(caption, ["state", "area", "centre x, y, z in mm", "mean gap", "mean pressure"], rows)
 
 

@@ -154,9 +154,7 @@ def _cases(source: Source) -> list[Part]:
                 [
                     line("all cases", x, y, 0, points=True),
                     {
-                        **line(
-                            "cases that none beats", [x[row] for row in chosen], [y[row] for row in chosen], 1
-                        ),
+                        **line("cases that none beats", [x[row] for row in chosen], [y[row] for row in chosen], 1),
                         "mode": "lines+markers",
                         "marker": {"size": 9},
                     },
