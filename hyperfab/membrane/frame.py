@@ -25,7 +25,7 @@ def run_on_frame(
     rough = rough_path(test, read)[1]
     met = [(state.depth, state.force) for state in rough.states]
     for _ in range(_RUNS):
-        outcomes = press([float(depth) for depth in _punch(wanted, met, test.frame)])
+        outcomes = press([float(depth) for depth in punch_depths(wanted, met, test.frame)])
         solved = outcomes[0].solved
         off = [abs(one.read - depth) for one, depth in zip(solved, wanted, strict=False)]
         if outcomes[0].path.limit is not None or max(off, default=0.0) <= _MET * wanted[-1]:
@@ -34,12 +34,18 @@ def run_on_frame(
     return outcomes
 
 
-def _punch(read: Array, met: Sequence[tuple[float, float]], frame: float) -> Array:
+def punch_depths(read: Array, met: Sequence[tuple[float, float]], frame: float) -> Array:
     """Return the depths (n,) of the punch for depths ``read`` (n,), from depths and forces that were ``met``.
 
-    Beyond them as far as if nothing yielded more.
+    Beyond them as far as if nothing yielded more. Where the force falls faster than the machine springs back, it reads
+    a depth twice: the first counts.
     """
+    if not met:
+        return read
     depth, force = np.array([(0.0, 0.0), *met]).T
-    beyond = read - (depth[-1] + frame * force[-1])
-    between = PchipInterpolator(depth + frame * force, depth)(np.minimum(read, read - beyond))
+    there = depth + frame * force
+    first = np.append(True, there[1:] > np.maximum.accumulate(there)[:-1])
+    depth, there = depth[first], there[first]
+    beyond = read - there[-1]
+    between = PchipInterpolator(there, depth)(np.minimum(read, there[-1]))
     return np.asarray(np.where(beyond > 0.0, depth[-1] + beyond, between))

@@ -1,10 +1,11 @@
 """A machine that yields: the depth it reads is the punch's and force times compliance."""
 
+import numpy as np
 import pytest
 
 from hyperfab.materials.registry import bind
 from hyperfab.membrane import outline
-from hyperfab.membrane.frame import run_on_frame
+from hyperfab.membrane.frame import punch_depths, run_on_frame
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, rough_path, run
 from hyperfab.membrane.tension_field import IsotropicSheet
 from tests.membrane.axisymmetric import pressed_disc
@@ -40,3 +41,12 @@ def test_a_path_that_ends_early_stands_as_far_as_it_came():
     assert asked[0][1] > 60.35
     assert outcome.path.limit.turning_point == pytest.approx(60.35, abs=0.8)
     assert outcome.solved[0].read == pytest.approx(40.0, abs=0.1)
+
+
+def test_a_path_that_found_nothing_or_turns_the_machine_back_has_depths_all_the_same():
+    """No equilibrium at all; and a force that falls by 0.4 N/mm under a machine of 0.33 N/mm: it reads 25 and 23 mm."""
+    read = np.array([2.0, 12.5, 26.0])
+    np.testing.assert_array_equal(punch_depths(read, [], 3.0), read)
+    found = punch_depths(read, [(10.0, 5.0), (20.0, 1.0)], 3.0)
+    assert found[1:] == pytest.approx([5.0, 11.0])
+    assert np.all(np.diff(found) > 0.0)
