@@ -77,24 +77,27 @@ def moving(curve: Curve) -> list[slice]:
     ways = [float(np.ptp(curve.places[one.start - curve.start : one.stop - curve.start])) for one in pieces]
     reach = float(np.ptp(curve.places)) if len(curve.places) else 0.0
     going = [one for one, way in zip(pieces, ways, strict=True) if way > 1e-3 * reach]
-    # Pulled step by step, all but a few readings are taken in waits.
-    return going if sum(ways) >= 0.5 * reach else pieces
+    # Pulled step by step, all but a few readings are taken in waits; one that waits throughout goes nowhere.
+    return going if sum(ways) >= 0.5 * reach > 0.0 else pieces
 
 
 def _ways(curve: Curve) -> list[NDArray[np.int64]]:
     """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere."""
-    ways: list[tuple[float, list[NDArray[np.int64]]]] = []
-    place, least = np.nan, _TURN * float(np.ptp(curve.places))
+    ways: list[list[NDArray[np.int64]]] = []
+    way, farthest, least = 0.0, np.nan, _TURN * float(np.ptp(curve.places))
     for piece in moving(curve):
         rows = np.arange(piece.start, piece.stop)
         first, last = curve.places[rows[[0, -1]] - curve.start]
-        move = float(last - (first if np.isnan(place) else place))
-        if ways and (abs(move) <= least or move * ways[-1][0] > 0.0):
-            ways[-1][1].append(rows)
+        move = float(last - (farthest if ways else first))
+        if ways and (move * way >= 0.0 or min(abs(move), abs(way)) <= least):
+            ways[-1].append(rows)
         else:
-            ways.append((move, [rows]))
-        place = last
-    return [np.concatenate(rows) for _, rows in ways]
+            ways.append([rows])
+            way = 0.0
+        # Many small steps back are a turn: they are told from the farthest place, not from the one before.
+        if move * way >= 0.0 or abs(way) <= least:
+            way, farthest = way + move, last
+    return [np.concatenate(rows) for rows in ways]
 
 
 def _slope(place: Array, value: Array) -> Array:

@@ -11,6 +11,8 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import third_differences
+from hyperfab.loop.problem import Curve
 from hyperfab.loop.replicates import difference, replicates
 from hyperfab.materials.registry import law
 
@@ -169,3 +171,36 @@ def test_two_that_wait_elsewhere_are_compared_all_the_way() -> None:
     (pair,) = replicates(problem.curves)
     apart = difference(problem.measured, np.ones(len(problem.measured)), *pair)[0]
     assert len(apart) > 80
+
+
+def steps_of(start: int, levels: np.ndarray) -> Curve:
+    """Return a curve led to levels one after another, in three readings each, with six in every wait."""
+    ways = [np.append(np.linspace(a, b, 4)[1:], np.full(6, b)) for a, b in zip(levels[:-1], levels[1:], strict=True)]
+    place = np.concatenate(ways)
+    cuts = tuple(start + at for at in range(3, len(place)) if at % 9 in (0, 3))
+    return Curve("", start, start + len(place), np.arange(float(len(place))), cuts, "way", place=place)
+
+
+def test_a_way_back_in_small_steps_is_compared_with_a_way_back() -> None:
+    """Steps of 1 % of the reach: up and down differ by hysteresis, two specimens led so by nothing."""
+    up = np.linspace(1.0, 1.5, 101)
+    first = steps_of(0, np.append(up, up[-2::-1]))
+    second = steps_of(first.stop, np.append(up, up[-2::-1]))
+    back = np.arange(len(first.places)) >= len(first.places) // 2
+    once = (first.places - 1.0) * np.where(back, 0.6, 1.0)
+    apart, level, _, _ = difference(np.append(once, once), np.ones(2 * len(once)), first, second)
+    assert len(level) > 500
+    assert np.quantile(np.abs(apart), 0.95) < 1e-9
+
+
+def test_a_wobble_before_the_pull_is_no_way_of_its_own() -> None:
+    pull = np.linspace(1.0, 1.5, 100)
+    settled = np.append(np.linspace(1.005, 1.0, 6), pull)
+    one = Curve("", 0, 100, np.arange(100.0), place=pull)
+    other = Curve("", 100, 206, np.arange(106.0), (106,), place=settled)
+    assert len(difference(np.append(pull, settled), np.ones(206), one, other)[0]) > 90
+
+
+def test_readings_of_one_long_hold_are_compared_with_their_neighbours() -> None:
+    hold = Curve("", 0, 50, np.arange(50.0), place=np.full(50, 1.3))
+    assert len(third_differences(np.random.default_rng(0).standard_normal(50), hold)[0]) > 40
