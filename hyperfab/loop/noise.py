@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve
 
+#: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
+Shape = tuple[NDArray[np.int64], Array, float]
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -20,8 +23,9 @@ class Noise:
     they become, ``correlation`` that between neighbouring rows of a curve. ``whiten`` takes these out, so that noise
     becomes unit and uncorrelated.
     ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
-    rows of each specimen, ``across`` those of its transverse stretch, ``alike`` the specimens of each way of testing;
-    where these are ``centred`` they scatter about a mean of their own, which is told.
+    rows of each specimen, ``across`` those of its transverse stretch, ``alike`` and ``alike_across`` which of these are
+    of each way of testing; where they are ``centred`` they scatter about a mean of their own, which is told.
+    ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch.
     """
 
     sd: Array
@@ -35,6 +39,7 @@ class Noise:
     groups: tuple[NDArray[np.int64], ...] = ()
     across: tuple[NDArray[np.int64], ...] = ()
     alike: tuple[tuple[int, ...], ...] = ()
+    alike_across: tuple[tuple[int, ...], ...] = ()
     pattern: Array = field(default_factory=lambda: np.empty(0))
     measured: Array = field(default_factory=lambda: np.empty(0))
     centred: bool = False
@@ -54,14 +59,14 @@ class Noise:
 
         For a model that may still move: a pattern that follows the readings would draw it off the data.
         """
-        return replace(self, gain_sd=gain_sd, pattern=np.maximum(predicted, 0.0))
+        return replace(self, gain_sd=gain_sd, pattern=np.maximum(self._sizes(predicted), 0.0))
 
     @property
     def entropy(self) -> float:
         """Minus twice what the scatter of the specimens costs in logarithm of likelihood, above white noise."""
         if not self.gain_sd:
             return 0.0
-        return float(sum(-2.0 * np.log1p(-shrink) for _, _, shrink in self._shapes()))
+        return float(sum(-2.0 * np.log1p(-shrink) for _, _, shrink in self._shapes(self.groups, self.gain_sd)))
 
     def at(self, predicted: Array) -> Noise:
         """Return the noise around a prediction: specimens scatter in proportion to prediction and reading.
@@ -69,21 +74,20 @@ class Noise:
         In proportion to the readings alone would reward a model for predicting too little, to the prediction alone
         for too much; their geometric mean makes the scatter one of the logarithm.
         """
-        if not self.gain_sd:
+        if not (self.gain_sd or self.across_sd):
             return self
-        return replace(self, pattern=np.sqrt(np.maximum(predicted * self.measured, 0.0)))
+        both = self._sizes(predicted) * self._sizes(self.measured)
+        return replace(self, pattern=np.sqrt(np.maximum(both, 0.0)))
 
     def spread(self, predicted: Array) -> Array:
         """Return one standard deviation a row of all that is noise: of the reading and of its specimen.
 
         It is what a perfect model would miss by, while ``sd`` is what readings of one specimen scatter by.
         """
-        common = np.zeros(len(self.sd))
-        if self.gain_sd:
-            rows = np.concatenate(self.groups)
-            common[rows] = self.gain_sd * self.at(predicted).pattern[rows]
-        for rows in self.across if self.across_sd else ():
-            common[rows] = self.across_sd * (1.0 - self.measured[rows])
+        common, pattern = np.zeros(len(self.sd)), self.at(predicted).pattern
+        for sd, groups in ((self.gain_sd, self.groups), (self.across_sd, self.across)):
+            for rows in groups if sd else ():
+                common[rows] = sd * pattern[rows]
         return np.hypot(self.sd, common)
 
     def whiten(self, values: Array) -> Array:
@@ -91,47 +95,39 @@ class Noise:
         scaled = values / (self.sd if values.ndim == 1 else self.sd[:, None])
         if self.correlation:
             scaled = self._along(scaled)
-        if self.gain_sd:
-            scaled = scaled.copy()
-            for rows, shape, less in self._about_means(scaled) if self.centred else self._about_model(scaled):
-                scaled[rows] -= np.multiply.outer(shape, less)
-        if self.across_sd:
-            scaled = scaled.copy()
-            for rows, shape, shrink in self._shapes_across():
-                scaled[rows] -= np.multiply.outer(shape, shrink * (shape @ scaled[rows]))
-        return scaled
+        return self._less(scaled, -0.5 if self.centred else None)
 
     def coloured(self, whitened: Array) -> Array:
         """Return columns (rows, k) that were whitened as they were, of noise about means."""
-        values = whitened.copy()
-        if self.gain_sd:
-            for rows, shape, less in self._about_means(whitened, 0.5):
-                values[rows] -= np.multiply.outer(shape, less)
-        if self.across_sd:
-            for rows, shape, shrink in self._shapes_across():
-                values[rows] += np.multiply.outer(shape, shrink / (1.0 - shrink) * (shape @ values[rows]))
-        return values * self.sd[:, None]
+        return self._less(whitened, 0.5) * self.sd[:, None]
 
-    def _about_model(self, scaled: Array) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
-        """Yield the rows of each specimen, the shape of its stiffness, and how much of that is scatter."""
-        for rows, shape, shrink in self._shapes():
-            yield rows, shape, shrink * (shape @ scaled[rows])
+    def _sizes(self, values: Array) -> Array:
+        """Return values (rows), of the transverse stretch by how much it is narrower."""
+        found = values.copy()
+        for rows in self.across:
+            found[rows] = 1.0 - values[rows]
+        return found
 
-    def _about_means(self, scaled: Array, power: float = -0.5) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
-        """Yield the same where those led alike scatter about their mean; to another power of their covariance."""
-        shapes = self._shapes()
-        for which in self.alike:
-            own = [shapes[k] for k in which]
-            wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
-            about = np.eye(len(own)) - 1.0 / len(own)
-            sizes, ways = np.linalg.eigh(np.eye(len(own)) + np.outer(wide, wide) * about)
-            along = np.stack([shape @ scaled[rows] for rows, shape, _ in own])
-            less = along - (ways * sizes**power) @ (ways.T @ along)
-            yield from ((rows, shape, one) for (rows, shape, _), one in zip(own, less, strict=True))
+    def _less(self, scaled: Array, power: float | None) -> Array:
+        """Return values or columns less what of them is scatter: about the model, or about the means of those led alike
+        to a power of their covariance."""
+        found = scaled.copy()
+        for sd, groups, alike in (
+            (self.gain_sd, self.groups, self.alike),
+            (self.across_sd, self.across, self.alike_across),
+        ):
+            shapes = self._shapes(groups, sd) if sd else []
+            if power is None:
+                each = [(rows, shape, shrink * (shape @ scaled[rows])) for rows, shape, shrink in shapes]
+            else:
+                each = list(_about_means(scaled, shapes, alike if sd else (), power))
+            for rows, shape, less in each:
+                found[rows] -= np.multiply.outer(shape, less)
+        return found
 
     def along_stiffness(self, whitened: Array) -> Array:
         """Return what of whitened values (rows) is as another stiffness would be, of each specimen."""
-        return np.array([float(shape @ whitened[rows]) for rows, shape, _ in self._shapes()])
+        return np.array([float(shape @ whitened[rows]) for rows, shape, _ in self._shapes(self.groups, self.gain_sd)])
 
     def stiffness(self, whitened: Array, miss: float) -> Array:
         """Return what of whitened values (rows) is as another stiffness would be, of each way of testing.
@@ -139,10 +135,10 @@ class Noise:
         The sum over those tested alike, in its standard deviation: that of the readings, of all that specimens may
         scatter by, and of a smooth ``miss`` (in standard deviations of a reading) of any model.
         """
-        widest = replace(self, gain_sd=max(self.gain_sd, self.gain_doubt))
+        widest = self._shapes(self.groups, max(self.gain_sd, self.gain_doubt))
         off = self.along_stiffness(whitened)
         variance, missed = np.empty((2, len(self.groups)))
-        for k, (one, other) in enumerate(zip(self._shapes(), widest._shapes(), strict=True)):
+        for k, (one, other) in enumerate(zip(self._shapes(self.groups, self.gain_sd), widest, strict=True)):
             rows, _, shrink = one
             off[k] /= 1.0 - shrink
             variance[k] = 1.0 / (1.0 - other[2]) ** 2
@@ -158,17 +154,9 @@ class Noise:
         found[first] = scaled[first]
         return found
 
-    def _shapes(self) -> list[tuple[NDArray[np.int64], Array, float]]:
-        return self._scattered(self.pattern, self.groups, self.gain_sd)
-
-    def _shapes_across(self) -> list[tuple[NDArray[np.int64], Array, float]]:
-        return self._scattered(1.0 - self.measured, self.across, self.across_sd)
-
-    def _scattered(
-        self, pattern: Array, groups: Sequence[NDArray[np.int64]], sd: float
-    ) -> list[tuple[NDArray[np.int64], Array, float]]:
+    def _shapes(self, groups: Sequence[NDArray[np.int64]], sd: float) -> list[Shape]:
         """Return the rows of each group, the unit shape of what is alike in them, and how much of that is scatter."""
-        pattern = pattern / self.sd
+        pattern = self.pattern / self.sd
         if self.correlation:
             pattern = self._along(pattern)
         found = []
@@ -177,6 +165,20 @@ class Noise:
             shrink = 1.0 - 1.0 / np.sqrt(1.0 + (sd * length) ** 2)
             found.append((rows, pattern[rows] / length, shrink))
         return found
+
+
+def _about_means(
+    scaled: Array, shapes: Sequence[Shape], alike: Sequence[Sequence[int]], power: float
+) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
+    """Yield the rows of each specimen, its shape, and how much of that is scatter about the mean of those led alike."""
+    for which in alike:
+        own = [shapes[k] for k in which]
+        wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
+        about = np.eye(len(own)) - 1.0 / len(own)
+        sizes, ways = np.linalg.eigh(np.eye(len(own)) + np.outer(wide, wide) * about)
+        along = np.stack([shape @ scaled[rows] for rows, shape, _ in own])
+        less = along - (ways * sizes**power) @ (ways.T @ along)
+        yield from ((rows, shape, one) for (rows, shape, _), one in zip(own, less, strict=True))
 
 
 def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:

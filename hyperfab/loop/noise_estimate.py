@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
@@ -60,22 +61,8 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     across_sd = 0.0
     if np.any(problem.channel == 1):
         sd, across_sd = _across(problem, sd, louder)
-    keys = dict.fromkeys(curve.specimen for curve in problem.curves if curve.channel == 0 and curve.specimen)
-    groups, across = (
-        tuple(
-            np.concatenate([np.arange(c.start, c.stop) for c in problem.curves if (c.specimen, c.channel) == key])
-            for key in dict.fromkeys(
-                (c.specimen, channel) for c in problem.curves if c.channel == channel and c.specimen
-            )
-        )
-        for channel in (0, 1)
-    )
-    ways: dict[tuple[str, ...], list[int]] = {}
-    for k, key in enumerate(keys):
-        led = [curve.setup or key for curve in problem.curves if curve.specimen == key and curve.channel == 0]
-        ways.setdefault(tuple(sorted(led)), []).append(k)
+    (groups, alike), (across, alike_across) = (_specimens(problem, channel) for channel in (0, 1))
     starts = tuple(curve.start for curve in problem.curves)
-    alike = tuple(tuple(one) for one in ways.values())
     plain = Noise(
         sd,
         dof,
@@ -85,10 +72,23 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         groups=groups,
         across=across,
         alike=alike,
-        pattern=y.copy(),
+        alike_across=alike_across,
+        pattern=np.where(problem.channel == 1, 1.0 - y, y),
         measured=y.copy(),
     )
     return _with_replicates(problem, plain, louder, free)
+
+
+def _specimens(problem: Problem, channel: int) -> tuple[tuple[NDArray[np.int64], ...], tuple[tuple[int, ...], ...]]:
+    """Return the rows of each specimen in a channel, and which of them were tested in each way."""
+    curves = [curve for curve in problem.curves if curve.channel == channel and curve.specimen]
+    groups: list[NDArray[np.int64]] = []
+    ways: dict[tuple[str, ...], list[int]] = {}
+    for key in dict.fromkeys(curve.specimen for curve in curves):
+        own = [curve for curve in curves if curve.specimen == key]
+        ways.setdefault(tuple(sorted(curve.setup or key for curve in own)), []).append(len(groups))
+        groups.append(np.concatenate([np.arange(curve.start, curve.stop) for curve in own]))
+    return tuple(groups), tuple(tuple(one) for one in ways.values())
 
 
 def _peaks(y: Array, curves: Sequence[Curve]) -> Array:
