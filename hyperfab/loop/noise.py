@@ -59,7 +59,7 @@ class Noise:
 
         For a model that may still move: a pattern that follows the readings would draw it off the data.
         """
-        return replace(self, gain_sd=gain_sd, pattern=np.maximum(self._sizes(predicted), 0.0))
+        return replace(self, gain_sd=gain_sd, pattern=self._sizes(predicted))
 
     @property
     def entropy(self) -> float:
@@ -76,8 +76,10 @@ class Noise:
         """
         if not (self.gain_sd or self.across_sd):
             return self
-        both = self._sizes(predicted) * self._sizes(self.measured)
-        return replace(self, pattern=np.sqrt(np.maximum(both, 0.0)))
+        read = self._sizes(self.measured)
+        # With its sign: a specimen that is stiffer has more of a pull and more of a pressure.
+        both = np.sqrt(np.maximum(self._sizes(predicted) * read, 0.0))
+        return replace(self, pattern=np.copysign(both, read))
 
     def spread(self, predicted: Array) -> Array:
         """Return one standard deviation a row of all that is noise: of the reading and of its specimen.

@@ -229,3 +229,14 @@ def test_foams_that_scatter_in_contraction_have_the_contraction_of_their_mean(se
     noise = estimate_noise(problem)
     assert noise.across_sd > 0.05
     assert fit(problem, noise, {}, [0.1, 4.0, 0.3]).x[2] == pytest.approx(0.3 * np.mean(gains), rel=0.03)
+
+
+def test_a_specimen_that_is_stiffer_is_so_pressed_and_pulled() -> None:
+    """One group with stresses of both signs: what is alike in it goes with them, around a prediction too."""
+    random = np.random.default_rng(3)
+    stress = np.linspace(-1.0, 1.0, 40)
+    rows = (np.arange(40),)
+    noise = Noise(np.full(40, 1e-3), 10.0, "", 0.1, groups=rows, alike=((0,),), pattern=stress, measured=1.1 * stress)
+    left = 0.1 * stress + 1e-3 * random.standard_normal(40)
+    for full in (noise.at(stress), noise.among(stress, 0.1)):
+        assert 0.5 < float(np.mean(full.whiten(left) ** 2)) < 2.0
