@@ -25,6 +25,8 @@ ASSUMED = f"assumed: {100.0 * USUAL:g} % of the largest reading, for too few in 
 #: Ratios tried of the noise in proportion, at the largest reading, to that at zero; misfits that are hardly apart.
 _RATIOS = (0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0, 30.0, 50.0, 100.0)
 _HARDLY = 2.0
+#: Specimens that scatter by less do not.
+_ALIKE = 2e-3
 #: Passes in which readings far off are drawn in: each is nearer to the fit without them.
 _ROBUST = 3
 
@@ -262,15 +264,15 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
         # What stresses differ by tells nothing of other readings.
         sd = np.where(problem.channel == 0, sd * np.sqrt(max(rest, 1.0)), sd)
         dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
-    if gain_sd < 2e-3 and not rho and sd is noise.sd:
+    if gain_sd < _ALIKE and not rho and sd is noise.sd:
         return noise
     return replace(
         noise,
         sd=sd,
         dof=dof,
         source=noise.source if not free else "replicates and local differences",
-        gain_sd=gain_sd if gain_sd >= 2e-3 else 0.0,
-        gain_doubt=doubt if gain_sd >= 2e-3 else 0.0,
+        gain_sd=gain_sd if gain_sd >= _ALIKE else 0.0,
+        gain_doubt=doubt if gain_sd >= _ALIKE else 0.0,
         correlation=min(rho, 0.98),
     )
 
@@ -310,4 +312,4 @@ def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float]:
         misfit = likely + count * float(np.log(rest + 1e-300)) + dearer * (len(rests) - 1)
         tried.append((misfit, rest, scatter, one))
     _, rest, scatter, likelier = min(tried, key=lambda one: one[0])
-    return np.where(own, likelier * np.sqrt(max(rest, 1.0)), likelier), scatter
+    return np.where(own, likelier * np.sqrt(max(rest, 1.0)), likelier), scatter if scatter >= _ALIKE else 0.0

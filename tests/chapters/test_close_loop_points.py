@@ -241,6 +241,9 @@ def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: py
     assert np.max(read_force_depth(job, "punch.csv", None, told)[0].force) < 9.0
     assert list(told.values()) == [11, 11]
     assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
+    creeping = np.minimum(way, 3.0) + 0.005 * np.maximum(way - 3.0, 0.0)  # the machine holds the force
+    csv(tmp_path / "hold.csv", "stroke [mm],force [N],time [s]", creeping, force, 5.0 * way)
+    assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
 
 
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:

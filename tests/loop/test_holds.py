@@ -48,3 +48,12 @@ def test_a_specimen_that_was_held_throughout_is_held() -> None:
     clock = np.arange(20.0)
     assert held(1.5 + 1e-5 * np.sin(clock**2), clock).sum() == 19
     assert held(np.full(20, 1.5), np.full(20, np.nan)).sum() == 19
+
+
+def test_a_time_that_stands_twice_leaves_the_clock_to_the_test() -> None:
+    """Four readings of a hold of five minutes are one by the clock alone."""
+    clock = np.concatenate([np.linspace(0.0, 5.0, 21), [80.0, 155.0, 230.0, 305.0]])
+    stretch = np.concatenate([np.linspace(1.0, 1.3, 21), 1.3 + 1e-5 * np.array([1.0, -1.0, 1.0, 0.0])])
+    assert held(stretch, clock).sum() == 4
+    clock[11] = clock[10]
+    assert held(stretch, clock).sum() == 4

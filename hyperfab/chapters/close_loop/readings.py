@@ -41,6 +41,8 @@ R = TypeVar("R", bound=Reading)
 #: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
 #: touches has one thickness), and what moves while they are read: a hold reads the same without being at that end.
 _RANGED, _WAYS = ("pressure", "force"), (*"xyz", "stroke", "depth")
+#: What wobbles by less than this share of its way is held.
+_HOLD = 0.02
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,8 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
         table = _rows(table, kept)
     if results[0] in _RANGED:
         ended = range_ended(table[results[0]])
-        if np.any(ended) and any(np.ptp(table[way][ended]) > 0.0 for way in _WAYS if way in table):
+        moved = [np.ptp(table[way][ended]) > _HOLD * np.ptp(table[way]) for way in _WAYS if way in table and any(ended)]
+        if any(moved):
             gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(np.sum(ended))
             table = _rows(table, np.flatnonzero(~ended))
     table = replace(table, left_out=dict(gone))

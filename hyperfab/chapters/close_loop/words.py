@@ -216,15 +216,12 @@ def _size(misfit: Misfit, unit: str) -> str:
 
 
 def _shares(noise: NoiseFigures) -> str:
-    if noise.specimen_scatter is None:
+    scatters = ((noise.specimen_scatter, "stiffness"), (noise.contraction_scatter, "contraction"))
+    shares = [f"{100.0 * one:.2g} % in {of}" for one, of in scatters if one is not None]
+    if not shares:
         return ""
     taken = ", as those of one cloth scatter" if noise.assumed_scatter else ""
-    across = noise.contraction_scatter
-    more = "" if across is None else f" and {100.0 * across:.2g} % in contraction"
-    return (
-        f" ({noise.sd:.2g} within a specimen, {100.0 * noise.specimen_scatter:.2g} % in stiffness{more} between "
-        f"specimens{taken})"
-    )
+    return f" ({noise.sd:.2g} within a specimen, {' and '.join(shares)} between specimens{taken})"
 
 
 def _least(document: LoopDocument) -> tuple[str, float]:

@@ -240,9 +240,9 @@ def held(stretch: Array, clock: Array) -> NDArray[np.bool_]:
     if reach <= _WOBBLE[0] * float(np.max(np.abs(stretch - 1.0), initial=0.0)):
         still[1:] = len(stretch) > _HOLD
         return still
-    timed = bool(np.all(span > 0.0))
+    timed = bool(np.all(span >= 0.0) and np.any(span > 0.0))
     since = clock if timed else np.arange(float(len(stretch)))
-    speed = step / np.diff(since)
+    speed = step / np.maximum(np.diff(since), 1e-12)  # a time may stand twice
     order = np.argsort(speed)
     travel = np.cumsum(step[order])
     pace = float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])])
