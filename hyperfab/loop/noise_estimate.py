@@ -214,13 +214,15 @@ class _Compared:
     misfit: float
 
 
-def _compared(problem: Problem, sd: Array) -> _Compared | None:
+def _compared(problem: Problem, sd: Array, channel: int) -> _Compared | None:
     found = []
-    for first, second in replicates(problem.curves):
+    for first, second in replicates(problem.curves, channel):
         apart, level, slope, spread = difference(problem.measured, sd, first, second)
         if len(apart) < FEWEST:
             continue
-        apart, shapes = apart / spread, (level / spread, (1.0 / spread, slope / spread))
+        # A transverse stretch is in proportion to how much narrower the specimen becomes.
+        shapes = (level / spread, (1.0 / spread, slope / spread)) if channel == 0 else ((1.0 - level) / spread, ())
+        apart = apart / spread
         values = apart
         for _ in range(_ROBUST):
             coefficients, variance, left = told_apart(values, *shapes)
@@ -239,20 +241,30 @@ def _compared(problem: Problem, sd: Array) -> _Compared | None:
     return _Compared(gains, sure, rests, lags, int(np.sum(counts)), misfit)
 
 
-def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) -> Noise:
-    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``.
+def _likelier(problem: Problem, sd: Array, louder: Array, channel: int) -> tuple[_Compared | None, Array]:
+    """Return what replicates of a channel differ by, and the noise that is compared with.
 
-    Whether the noise is ``louder`` in some curves than in others, as neighbouring readings have it, is then told by
-    what replicates differ by: steps of a hand are no noise.
+    Whether that is ``louder`` in some curves than in others, as neighbouring readings have it, is for what replicates
+    differ by to tell: steps of a hand are no noise.
     """
-    found = _compared(problem, noise.sd)
+    own = problem.channel == channel
+    found = _compared(problem, sd, channel)
+    if found is None or np.all(louder[own] == 1.0):
+        return found, sd
+    evenly = np.where(own, sd / louder, sd)
+    even = _compared(problem, evenly, channel)
+    specimens = {curve.specimen for curve in problem.curves if curve.channel == channel and curve.specimen}
+    if even is not None and even.misfit < found.misfit + MARGIN * (len(specimens) - 1):
+        return even, evenly
+    return found, sd
+
+
+def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) -> Noise:
+    """Compare replicates: scatter of stiffness between specimens, correlated noise, and a white level if ``free``."""
+    found, sd = _likelier(problem, noise.sd, louder if free else np.ones_like(louder), 0)
     if found is None:
         return noise
-    if free and np.any(louder[problem.channel == 0] != 1.0):
-        sd = np.where(problem.channel == 0, noise.sd / louder, noise.sd)
-        even = _compared(problem, sd)
-        if even is not None and even.misfit < found.misfit + MARGIN * (len(noise.groups) - 1):
-            found, noise = even, replace(noise, sd=sd)
+    noise = noise if sd is noise.sd else replace(noise, sd=sd)
     gain_sd = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
     wide = 1.0 + TOLD / np.sqrt(2.0 * len(found.sure))
     doubt = wide * float(np.sqrt(max(float(np.mean(found.sure)), 0.0)))
@@ -285,31 +297,10 @@ def winsorised(left: Array) -> Array:
 
 def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float]:
     """Return the noise with that of the transverse stretch as its replicates have it, and how much specimens scatter in
-    what they become narrower by (relative).
-
-    It is even in all curves, not ``louder`` in some, where that is the likelier.
-    """
-    own = problem.channel == 1
-    tried: list[tuple[float, float, float, Array]] = []
-    for one, dearer in ((np.where(own, sd / louder, sd), 0), (sd, MARGIN)):
-        squares, rests, likely, count = [], [], 0.0, 0
-        for first, second in replicates(problem.curves, 1):
-            apart, level, _, spread = difference(problem.measured, one, first, second)
-            if len(apart) < FEWEST:
-                continue
-            apart, narrower = apart / spread, (1.0 - level) / spread
-            length = max(float(narrower @ narrower), 1e-300)
-            gain = float(narrower @ apart) / length
-            left = winsorised(apart - gain * narrower)
-            squares.append(0.5 * gain**2 - 1.0 / length)
-            rests.append(0.5 * float(np.mean(left**2)))
-            likely += 2.0 * float(np.sum(np.log(spread)))
-            count += len(apart)
-        if not rests:
-            return sd, 0.0
-        rest = float(np.mean(rests))
-        scatter = float(np.sqrt(max(float(np.mean(squares)), 0.0)))
-        misfit = likely + count * float(np.log(rest + 1e-300)) + dearer * (len(rests) - 1)
-        tried.append((misfit, rest, scatter, one))
-    _, rest, scatter, likelier = min(tried, key=lambda one: one[0])
-    return np.where(own, likelier * np.sqrt(max(rest, 1.0)), likelier), scatter if scatter >= _ALIKE else 0.0
+    what they become narrower by (relative)."""
+    found, sd = _likelier(problem, sd, louder, 1)
+    if found is None:
+        return sd, 0.0
+    scatter = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
+    wider = np.sqrt(max(float(np.mean(found.rests)), 1.0))
+    return np.where(problem.channel == 1, sd * wider, sd), scatter if scatter >= _ALIKE else 0.0

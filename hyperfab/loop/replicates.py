@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import clearly
-
-#: A way back that is smaller than this share of a curve's reach is a wobble, no turn.
-_TURN = 0.02
+from hyperfab.materials.effects.path import REVERSAL
+from hyperfab.numerics.hygiene import turns
 
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
@@ -42,11 +41,11 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
         coefficients = inverse @ (matrix.T @ apart)
         return coefficients, inverse, apart - matrix @ coefficients
 
-    stiffer = least([level])
-    best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
-    found = stiffer
-    if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > clearly():
-        found = least([level, best[3]])
+    found = stiffer = least([level])
+    if others:
+        best = min(((*least([other]), other) for other in others), key=lambda one: float(one[2] @ one[2]))
+        if float(stiffer[2] @ stiffer[2]) - float(best[2] @ best[2]) > clearly():
+            found = least([level, best[3]])
     return found[0], float(found[1][0, 0]), found[2]
 
 
@@ -83,21 +82,8 @@ def moving(curve: Curve) -> list[slice]:
 
 def _ways(curve: Curve) -> list[NDArray[np.int64]]:
     """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere."""
-    ways: list[list[NDArray[np.int64]]] = []
-    way, farthest, least = 0.0, np.nan, _TURN * float(np.ptp(curve.places))
-    for piece in moving(curve):
-        rows = np.arange(piece.start, piece.stop)
-        first, last = curve.places[rows[[0, -1]] - curve.start]
-        move = float(last - (farthest if ways else first))
-        if ways and (move * way >= 0.0 or min(abs(move), abs(way)) <= least):
-            ways[-1].append(rows)
-        else:
-            ways.append([rows])
-            way = 0.0
-        # Many small steps back are a turn: they are told from the farthest place, not from the one before.
-        if move * way >= 0.0 or abs(way) <= least:
-            way, farthest = way + move, last
-    return [np.concatenate(rows) for rows in ways]
+    rows = np.concatenate([np.arange(piece.start, piece.stop) for piece in moving(curve)])
+    return [rows[part] for part in turns(curve.places[rows - curve.start], REVERSAL)]
 
 
 def _slope(place: Array, value: Array) -> Array:

@@ -65,10 +65,10 @@ def loudness(guesses: Sequence[Guess], top: float) -> tuple[Array, float]:
     >>> loudness([Guess(1.0, 80.0, "", d / y, y)], 100.0)[1] < 0.3
     True
     """
-    ratios = np.array(_RATIOS)
+    ratios, chance = np.array(_RATIOS), likely_ratios(guesses, top)
     squares = np.array([[guess.sized(ratio, top) ** 2 for ratio in _RATIOS] for guess in guesses])
-    mean = squares @ likely_ratios(guesses, top)
-    whole = float(np.sum(squares * ratios**2 @ likely_ratios(guesses, top)))
+    mean = squares @ chance
+    whole = float(np.sum(squares * ratios**2 @ chance))
     return np.sqrt(mean), float(np.sqrt(whole / max(np.sum(mean), 1e-300)))
 
 

@@ -87,8 +87,8 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
         table = _rows(table, kept)
     if results[0] in _RANGED:
         ended = range_ended(table[results[0]])
-        moved = [np.ptp(table[way][ended]) > _HOLD * np.ptp(table[way]) for way in _WAYS if way in table and any(ended)]
-        if any(moved):
+        ways = [table[way] for way in _WAYS if way in table]
+        if np.any(ended) and any(np.ptp(way[ended]) > _HOLD * np.ptp(way) for way in ways):
             gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(np.sum(ended))
             table = _rows(table, np.flatnonzero(~ended))
     table = replace(table, left_out=dict(gone))

@@ -135,25 +135,25 @@ def another_frame(problem: Problem, found: Finding) -> list[str]:
 
     The rigid motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922.
     """
-    if "axis" not in problem.states:
-        return []
-    axis = problem.states["axis"]
+    axis = problem.states.get("axis", ())
     count = len(axis)
+    if count < 3 * FEWEST:
+        return []
+    from scipy.spatial.transform import Rotation  # only markers ask for it
+
     sd = found.noise.sd[:count]
     thought, read = (
         np.stack([rows[:count][axis == way] for way in range(3)], axis=1)
         for rows in (found.before.fit.predicted, problem.measured)
     )
     weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
-    a, b = thought - thought.mean(axis=0), read - read.mean(axis=0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    turn = (u * [1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
-    moved = a @ turn + read.mean(axis=0)
+    turn, _ = Rotation.align_vectors(read - read.mean(axis=0), thought - thought.mean(axis=0))
+    shifted = read.mean(axis=0) - turn.apply(thought.mean(axis=0))
+    moved = turn.apply(thought) + shifted
     beyond, left = (float(np.mean(((read - one) * weight) ** 2)) - 1.0 for one in (thought, moved))
-    if len(read) < FEWEST or beyond <= SMALL**2 or left > SHARE * beyond:
+    if beyond <= SMALL**2 or left > SHARE * beyond:
         return []
-    shift = ", ".join(f"{one:.3g}" for one in read.mean(axis=0) - thought.mean(axis=0) @ turn)
-    angle = np.rad2deg(np.arccos(np.clip(0.5 * (np.trace(turn) - 1.0), -1.0, 1.0)))
+    shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
     return [
         "The markers lie where the model has them without any effect, but for their frame, shifted by "
         f"({shift}) mm and turned by {angle:.2g} deg: read the frame again at the clamped edge before anything is said "

@@ -18,7 +18,7 @@ UNIAXIAL, SHEAR, BIAXIAL, GENERAL, CONFINED, SIMPLE_SHEAR = range(6)
 MODE_NAMES = ("uniaxial", "shear", "biaxial", "biaxial-general", "confined-compression", "simple-shear")
 
 #: A reversal smaller than this share of a curve's range of stretch is a reading's noise, not a turn.
-_TURN = 0.02
+REVERSAL = 0.02
 #: Rows of one stretch that are a hold; else it lasts as long as the pace of a test takes for this share of its range.
 _HOLD, _LONG = 8, 0.1
 #: Bands that a machine wobbles in while it holds, in shares of that range.
@@ -96,7 +96,7 @@ class Path:
                 found[rows] = stated
             else:
                 # A test begins with loading.
-                found[rows.start + 1 : rows.stop] = branches(moved, _TURN)[1:]
+                found[rows.start + 1 : rows.stop] = branches(moved, REVERSAL)[1:]
         return found
 
     @cached_property
@@ -105,7 +105,7 @@ class Path:
         found = self.up.copy()
         for rows in self.curves:
             moved = self.moved(rows)
-            pressed = moved < 1.0 - _TURN * float(np.max(np.abs(moved - 1.0)))
+            pressed = moved < 1.0 - REVERSAL * float(np.max(np.abs(moved - 1.0)))
             found[rows][pressed] *= -1
         return found
 
