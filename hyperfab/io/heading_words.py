@@ -12,7 +12,7 @@ COLUMNS: dict[str, str] = {
     "stretch": """stretch; stretch ratio; extension ratio; elongation ratio; draw ratio; principal stretch; nominal
         stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad; f11;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
-    "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
+    "strain": """strain; engineering strain; nominal strain; feindehnung; technical strain; eng strain; tensile strain; axial strain;
         longitudinal strain; strain reading; elong; epsilon; eps; e; major strain; dehnung; standarddehnung;
         nenndehnung;
         verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
@@ -26,7 +26,7 @@ COLUMNS: dict[str, str] = {
         деформация; относительная деформация; относительное удлинение""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
-        stroke; travel; actuator displacement; machine extension; extension from preload; preload extension;
+        stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload; preload extension;
         distance; weg; standardweg; verlangerung; standardverlangerung; langenanderung; traversenweg; kolbenweg;
         hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer; delta l; dl; delta
         length; u; ux; uy; desplazamiento; desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del
@@ -162,7 +162,11 @@ FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canal
         current; istwert; messwert; wert; value; reading; signal; data; average; avg; mean; mittel; mittlere;
         moyenne; media; medio; medie; total; de; del; der; die; das; the; of; en; le; la; specimen; sample; probe;
         engineering; nominal; axial; engr; eng; gl; dic; lvdt; cam; tech; technical; major; standard; por; a; di;
-        traccion; traction; trazione; tracao; 1; 01"""
+        traccion; traction; trazione; tracao; machine; crosshead; traverse; traversen; actuator; 1; 01"""
+#: What reads a specimen's own elongation, in words beside it: surer than the machine's.
+GAUGES = """extensometer; videoextensometer; video extensometer; video; optical; laser; clip on; clip gauge; clip gage;
+    non contact; contactless; extensometro; extensometre; estensometro; laserextensometer; optisch; optische;
+    feindehnung"""
 #: Words that tell a second reading of the same quantity: beside a column without them, which one is meant is asked.
 MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte; tariert; tarierte; genullt;
         kompensiert; kompensierte; corregida; corregido; tarada; tarado; compensada; compensado; corrigee; corrige;

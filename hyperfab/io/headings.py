@@ -18,6 +18,7 @@ from hyperfab.io.dictionary import (
     qualifiers,
     setting,
     without_brackets,
+    words,
 )
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import column_factor, is_unit
@@ -42,6 +43,8 @@ _BY_UNIT: Mapping[str, Mapping[str, str]] = {
     "membrane stress": {"stress": "stress", "force": "force"},
     "time": {"temperature": "temperature"},
 }
+#: What reads a specimen's own elongation, with its number: Extensometer 1 strain, Strain (video).
+_GAUGE = re.compile(rf"\b(?:{'|'.join(sorted(words(heading_words.GAUGES), reverse=True))})(?: \d)?\b")
 _AXES = {"1": "1", "2": "2", "11": "1", "22": "2", "x": "x", "y": "y", "xx": "x", "yy": "y"}
 
 
@@ -79,6 +82,8 @@ def meaning(head: Heading) -> Meaning | None:
     if not found:
         core = " ".join(word for word in label.split() if word not in qualifiers())
         found = list(looked_up(core))
+    if not found and (core := _GAUGE.sub(" ", label).strip()) != label:
+        found = [one for one in looked_up(core) if one.name in ("strain", "stretch", "extension")]
     if not found:
         first, _, last = label.rpartition(" ")
         if last in ("nr", "no", "id", "num"):
@@ -130,6 +135,11 @@ def in_unit(found: Meaning, unit: str | None) -> Meaning | None:
 def is_unread(head: Heading) -> bool:
     """Whether a title names a measure of strain or stress that is not read: no guess may take it for another."""
     return any(measured(name, head.title) == "" for name in heading_words.MEASURES)
+
+
+def is_gauged(head: Heading) -> bool:
+    """Whether a title says that what reads the specimen itself made its readings, not the machine's crosshead."""
+    return _GAUGE.search(plain(head.label)) is not None
 
 
 def is_of(unit: str, kind: str) -> bool:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hyperfab.io.cells import is_number, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for
-from hyperfab.io.headings import KIND, Heading, is_of, meaning, suffixed
+from hyperfab.io.headings import KIND, Heading, is_gauged, is_of, meaning, suffixed
 from hyperfab.io.named_tests import kind_named
 
 #: What gives a stretch and what a stress, the surest first.
@@ -164,6 +164,7 @@ def roles(sheet: CsvSheet) -> Roles:
     _by_the_letter_t(sheet, found, aside)
     _never_read(sheet, found, aside)
     _still_out(sheet, found, aside)
+    _of_machine_or_gauge(sheet, found)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
     return Roles(_axes(sheet, columns), tuple(aside))
 
@@ -213,6 +214,17 @@ def _still_out(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], asid
             if one not in moving and one[0] >= 0 and name == base:
                 found[name].remove(one)
                 aside.append(one[1].heading.title)
+
+
+def _of_machine_or_gauge(sheet: CsvSheet, found: Mapping[str, list[tuple[int, Column]]]) -> None:
+    """Refuse to guess over which length an elongation is where an extensometer and the machine both tell one."""
+    if any(name in found for name in STRETCHES[: STRETCHES.index("extension")]):
+        return
+    ones = [one for name in ("extension", "position") for one in found.get(name, []) if one[0] >= 0]
+    gauged = [one.heading for _, one in ones if is_gauged(one.heading)]
+    others = [one.heading for _, one in ones if one.heading not in gauged]
+    if gauged and others and all(rank >= 0 for rank, _ in found.get("extension", [])):
+        raise sheet.two([*others, *gauged], "extension")
 
 
 def _one_of(sheet: CsvSheet, name: str, found: list[tuple[int, Column]]) -> Column:

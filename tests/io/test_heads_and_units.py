@@ -250,6 +250,27 @@ def test_a_strain_of_a_video_extensometer_goes_before_the_way_of_the_grips() -> 
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
 
 
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "Crosshead (mm),Extensometer strain (%)",
+        "Crosshead strain (%),Video strain (%)",
+        "Machine strain (%),Strain (extensometer) (%)",
+        "Crosshead displacement (mm),Video axial strain (%)",
+        "Standardweg (mm),Feindehnung (%)",
+    ],
+)
+def test_what_reads_the_specimen_itself_goes_before_the_machine(heads: str) -> None:
+    [found] = read_tests(f"{STRIP}{heads},Load (N)\n12,10,2\n24,20,4\n".encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2])
+
+
+@pytest.mark.parametrize("heads", ["Traverse (mm),Feindehnung (mm)", "Crosshead (mm),Extensometer elongation (mm)"])
+def test_an_elongation_of_an_extensometer_beside_that_of_the_machine_is_asked_about(heads: str) -> None:
+    with pytest.raises(InputError, match="two columns give the extension"):
+        read_tests(f"{STRIP}{heads},Load (N)\n12,5,2\n24,10,4\n".encode(), "a.csv")
+
+
 def test_cycles_that_are_counted_in_parts_are_whole_ones_done() -> None:
     head = "# test: uniaxial\nstrain [%],stress [MPa],Cycle count\n"
     [found] = read_tests(f"{head}1,0.1,0\n2,0.2,0\n1,0.1,0.5\n1,0.1,1\n2,0.2,1.25\n".encode(), "a.csv")
