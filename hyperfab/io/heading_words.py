@@ -12,9 +12,9 @@ COLUMNS: dict[str, str] = {
     "stretch": """stretch; stretch ratio; extension ratio; elongation ratio; draw ratio; principal stretch; nominal
         stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad; f11;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
-    "strain": """strain; engineering strain; nominal strain; feindehnung; technical strain; eng strain; tensile strain; axial strain;
+    "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
         longitudinal strain; strain reading; elong; epsilon; eps; e; major strain; dehnung; standarddehnung;
-        nenndehnung;
+        nenndehnung; feindehnung;
         verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
         technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion; deformacion
         nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale; deformation en
@@ -26,9 +26,10 @@ COLUMNS: dict[str, str] = {
         деформация; относительная деформация; относительное удлинение""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
-        stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload; preload extension;
-        distance; weg; standardweg; verlangerung; standardverlangerung; langenanderung; traversenweg; kolbenweg;
-        hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer; delta l; dl; delta
+        stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload;
+        preload extension; distance; weg; standardweg; verlangerung; standardverlangerung; langenanderung;
+        traversenweg; kolbenweg; hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer;
+        delta l; dl; delta
         length; u; ux; uy; desplazamiento; desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del
         travesano; recorrido; carrera; deplacement; deplacement de la traverse; deplacement traverse; deplacement de
         traverse; deplacement du mors; course; course standard; course traverse; spostamento;
