@@ -20,6 +20,7 @@ from materials.test_export import READERS, invariants, stress_of
 
 from hyperfab.materials import bind, laws
 from hyperfab.materials.export import formats
+from hyperfab.materials.law import scaled
 from trials.hunting import Array, Hunt, Ran, asked, hf
 
 #: Constants where laws end or change their kind, beside those of rubber.
@@ -118,8 +119,8 @@ def cards(hunt: Hunt) -> None:
         for name in form.writers:
             sets = {"rubber": CONSTANTS[name], **LIMITS.get(name, {})}
             for factor in (1e-4, 1e3):
-                scaled = laws()[name].scaled(dict(zip(laws()[name].names, CONSTANTS[name], strict=True)), factor)
-                sets[f"times {factor:g}"] = tuple(scaled.values())
+                softer = scaled(dict(zip(laws()[name].names, CONSTANTS[name], strict=True)), factor)
+                sets[f"times {factor:g}"] = tuple(softer.values())
             for label, values in sets.items():
                 title = f"{solver}, {name}: {label}"
                 if not hunt.wanted(title):
