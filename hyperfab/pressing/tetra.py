@@ -84,12 +84,15 @@ def boundary(mesh: TetraMesh) -> Ints:
 
 
 def at_boundary(mesh: TetraMesh, faces: Ints, values: Array, places: Array) -> tuple[Array, Array]:
-    """Return nodal ``values`` (n, ...) at the boundary points nearest to ``places`` (k, 3), and the distances (k,)."""
+    """Return nodal ``values`` (n, ...) at the boundary points nearest to ``places`` (k, 3), and the distances (k,) [mm]
+    of the curved sides there."""
     surface = Surface(mesh.points, faces[:, :3])
     near = surface.nearest(places)
     w = barycentric(surface, near.face, near.point)
     weights = np.concatenate([w * (2.0 * w - 1.0), 4.0 * w * np.roll(w, -1, axis=1)], axis=1)
-    return np.einsum("ka,ka...->k...", weights, values[faces[near.face]]), np.abs(near.distance)
+    nodes = faces[near.face]
+    away = np.einsum("ka,kad->kd", weights, mesh.points[nodes]) - places
+    return np.einsum("ka,ka...->k...", weights, values[nodes]), np.linalg.norm(away, axis=1)
 
 
 def _slopes(barycentric: Array) -> Array:

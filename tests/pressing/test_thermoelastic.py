@@ -89,6 +89,19 @@ def test_values_between_the_nodes_of_the_boundary_are_quadratic(mesh):
     assert distance.max() < 1e-9
 
 
+def test_the_distance_is_that_of_the_curved_sides_not_of_their_chords(mesh):
+    """A box bent to a parabola, which its elements hold exactly: places on it lie on it, though in the middle of a side
+    they are the sagitta off its chord."""
+    radius = 400.0
+    bent = TetraMesh(mesh.points - np.outer(mesh.points[:, 0] ** 2 / (2.0 * radius), [0.0, 0.0, 1.0]), mesh.elements)
+    x, y = np.random.default_rng(3).uniform(-1.0, 1.0, (2, 500)) * np.array([[40.0], [30.0]])
+    places = np.column_stack([x, y, -(x**2) / (2.0 * radius)])
+    sagitta = 16.0**2 / (8.0 * radius)
+    _, distance = at_boundary(bent, boundary(bent), bent.points[:, 0], places)
+    # To the first order: the chord's foot is beside the place by the sagitta times the slope.
+    assert distance.max() < 1.2 * sagitta * 40.0 / radius
+
+
 def test_parts_that_touch_move_together(mesh):
     far = len(mesh.points)
     twice = TetraMesh(
