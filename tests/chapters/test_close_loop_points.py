@@ -18,7 +18,7 @@ from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.contact import read_force_depth
 from hyperfab.chapters.close_loop.drape import read_markers
-from hyperfab.chapters.close_loop.press import read_press
+from hyperfab.chapters.close_loop.press import _cloud, read_press
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
@@ -393,3 +393,15 @@ def test_markers_of_a_membrane_say_what_a_net_lacks(tmp_path: Path, hf: Run) -> 
     last = str(document["summary"][-1])  # type: ignore[index]
     assert "biaxial-coupling is lacking" in last
     assert float(last.split("misses by ")[1].split()[0]) == pytest.approx(0.05, rel=0.3)
+
+
+@pytest.mark.parametrize("count", [150, 600])
+def test_a_film_is_as_loud_as_it_is_where_it_reads(count: int) -> None:
+    """Nothing presses on two thirds of it, and there it reads nothing: of 600 places the noise was a millionth of the
+    largest reading."""
+    random = np.random.default_rng(count)
+    places = random.uniform(-50.0, 50.0, (count, 3)) * [1.0, 1.0, 0.1]
+    pressure = np.maximum(2e-4 * (places[:, 0] - 17.0), 0.0)
+    values = np.where(pressure > 0.0, np.maximum(pressure + 1e-4 * random.standard_normal(count), 0.0), 0.0)
+    # A third of the readings, each worth half of one.
+    assert _cloud("pressure", places, values, pressure).size == pytest.approx(1e-4, rel=2.0 / np.sqrt(count / 3.0))

@@ -370,7 +370,12 @@ def noise_of(
 
 
 def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
-    """Return the noise of scattered readings: what neighbours differ by, less what the model says they do."""
+    """Return the noise of scattered readings: what neighbours differ by, less what the model says they do.
+
+    Where nothing presses a film reads nothing, to the last digit: only where it reads is it as loud as it is.
+    """
+    if kind == "pressure" and np.min(values) == 0.0 < np.max(values):
+        places, predicted, values = (one[values > 0.0] for one in (places, predicted, values))
     plain = guess_of_cloud(places, values)
     if kind == "contact":
         # Ones and zeros: what neighbours disagree by is the edge's own width.
