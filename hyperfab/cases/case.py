@@ -61,8 +61,8 @@ class Case:
     def of(cls, given: Mapping[str, Any], like: Mapping[str, Any] = {}) -> Self:
         """Return the case of options ``given`` by field name as people write them; ``like`` are values of others.
 
-        An empty text takes a field back to its default. Raises UsageError where an option cannot be meant, or is
-        missing.
+        An empty text takes a field of ``like`` back to its default. Raises UsageError where an option cannot be meant,
+        is missing, or is empty beside nothing: a variable of a shell that is not set is no wish for the default.
         """
         settings = cls.settings()
         values = dict(like)
@@ -71,8 +71,11 @@ class Case:
                 values.pop(other, None)
         for name, text in given.items():
             one = settings[name]
-            if text in ("", [""], ("",)):
+            alone = text in ("", [""], ("",))
+            if alone and (like or one.required):
                 values.pop(name, None)
+            elif alone or (isinstance(text, (list, tuple)) and "" in text):
+                raise UsageError(f'{one.spoken} "": is empty; give a value ({one.metavar}), or leave it out')
             else:
                 values[name] = one.kind.read(text, one.spoken)
         for one in settings.values():

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from hyperfab.console import Console, run_guarded
+from hyperfab.errors import UsageError
 from hyperfab.numerics import compiling
 
 if TYPE_CHECKING:
@@ -40,6 +41,9 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             for name in cls.settings()
             if (source := context.get_parameter_source(name)) is not None and source.name == "COMMANDLINE"
         }
+        for name in ("output", "like"):
+            if context.params.get(name) == "":
+                raise UsageError(f'--{name} "": is empty; name a file, or leave it out')
         job = Job(
             cls.COMMAND,
             arguments_given(context),

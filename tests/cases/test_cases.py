@@ -142,6 +142,19 @@ def test_an_option_given_wins_over_an_earlier_set_up_and_over_its_rivals() -> No
     assert cls.of({"friction": "", "load_steps": ""}, earlier).friction == 0.0
 
 
+@pytest.mark.parametrize("command", [command for command in CASES if command in FULL])
+def test_an_empty_value_is_none_but_beside_an_earlier_set_up(command: str) -> None:
+    """A variable of a shell that is not set, ``--depth "$DEPTH"``, went as the default."""
+    cls = case_class(command)
+    least = options.given(cls, LEAST[command])
+    for one in cls.settings().values():
+        if not one.metavar or (one.required and not one.kind.repeated):
+            continue
+        for text in [["a.csv", ""]] if one.required else ["", [""]]:
+            with pytest.raises(UsageError, match="is empty; give a value"):
+                cls.of({**least, one.name: text})
+
+
 def test_a_set_up_that_is_not_sound_is_refused_by_its_key() -> None:
     cls = case_class("drape")
     setup = options.read(cls, LEAST["drape"]).setup({})

@@ -131,6 +131,14 @@ def test_a_misspelt_key_and_option_are_met_with_the_right_ones(hf: Run, root: Pa
     assert "--uniaxial" in hf("fit", "--unaxial", TEST).stderr.decode()
 
 
+@pytest.mark.parametrize("option", ["--output", "--like"])
+def test_an_empty_name_of_a_file_is_refused(option: str, hf: Run, root: Path) -> None:
+    """``-o "$NAME"`` of a variable that is not set wrote a file called .json."""
+    done = hf("fit", "specimens/treloar-1944/uniaxial.csv", "--model", "yeoh-2", option, "", cwd=root)
+    assert done.returncode == 2
+    assert f'{option} "": is empty; name a file' in done.stderr.decode()
+
+
 def test_warnings_are_counted_at_the_end(hf: Run, root: Path, tmp_path: Path) -> None:
     rows = "".join(f"{1 + k / 20},{k * 0.01 * (1.5 if k == 5 else 1)}\n" for k in range(20))
     for name in "ab":
