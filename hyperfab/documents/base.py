@@ -213,8 +213,13 @@ def first_error(
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
     if kind == "extra_forbidden":
-        known = _keys(cls.model_json_schema()) if cls is not None else ()
-        hint = near(str(first["loc"][-1]), known) or "check the spelling"
+        known = list(_keys(cls.model_json_schema())) if cls is not None else []
+        word, beside = str(first["loc"][-1]), first["loc"][:-1]
+        needed = [str(one["loc"][-1]) for one in found if one["type"] == "missing" and one["loc"][:-1] == beside]
+        if word in known and beside:
+            hint = near(word, needed) or "it belongs to another section; move it there or leave it out"
+            return InputError(f"is no key of {_key(beside)}{more}", file=name, key=key, remedy=hint)
+        hint = near(word, [*needed, *known]) or "check the spelling"
         return InputError(f"is not a key of this document{more}", file=name, key=key, remedy=hint)
     text = first["msg"].removeprefix("Value error, ")
     shown = "" if isinstance(value, (dict, list)) else f", not {_short(value)}"

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from hyperfab.documents.base import KINDS, Document, HandWritten, parse_document, schema
 from hyperfab.documents.mold import MoldDocument
+from hyperfab.documents.study import StudyDocument
 from hyperfab.errors import InputError, UsageError
 
 
@@ -97,6 +98,24 @@ def test_a_wrong_key_in_a_list_is_told_by_the_name_of_its_entry() -> None:
     mold["convection"][0]["ambent"] = mold["convection"][0].pop("ambient")
     with pytest.raises(InputError, match=r"in 1st convection .*did you mean ambient"):
         parse_document(mold, "m.toml", MoldDocument)
+
+
+def test_a_key_of_another_section_is_not_proposed_for_itself() -> None:
+    """``mean`` of a normal distribution in a lognormal one was met with "did you mean mean?"."""
+    study: dict[str, Any] = {
+        "format": "hyperfab.study/1",
+        "name": "a",
+        "axis": {"s": {"lognormal": {"mean": 1.0, "sd": 0.1}}},
+        "step": [{"name": "fit", "command": "fit", "arguments": ["{s}"]}],
+        "figures": {"E2": "fit.fit.E2"},
+    }
+    with pytest.raises(InputError, match=r"lognormal\.mean: is no key of axis\.s\.lognormal .*did you mean median\?"):
+        parse_document(study, "s.toml", StudyDocument)
+    study["axis"]["s"]["lognormal"] = {"median": 1.0, "factor": 1.1, "sd": 0.1}
+    with pytest.raises(
+        InputError, match=r"lognormal\.sd: is no key of axis\.s\.lognormal; it belongs to another section"
+    ):
+        parse_document(study, "s.toml", StudyDocument)
 
 
 def test_all_keys_that_are_wrong_are_named_beside_the_first() -> None:
