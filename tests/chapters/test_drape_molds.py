@@ -87,6 +87,21 @@ def test_a_mold_in_another_unit_stops_at_the_question(drape):
     assert json.loads(out)["force_N"] == pytest.approx(json.loads(drape((vertices, faces))[1])["force_N"], rel=1e-6)
 
 
+def test_a_tiny_mold_that_is_meant_is_draped_by_a_sheet_that_fits_it(drape):
+    """At the same thickness the force of a net goes with the length. It was told to state the unit that it stated."""
+    vertices, faces = cup()
+    small = ("--size", "1.6mmx1.4mm", "--depth", "0.3mm", "--thickness", "1mm", "--stl-unit", "mm")
+    status, out, err = drape((0.005 * vertices, faces), *small)
+    assert status == 0, err
+    assert "measures 0.6 x 0.5 x 0.25 mm when read in mm" in err
+    large = ("--size", "320mmx280mm", "--depth", "60mm", "--thickness", "1mm")
+    whole = json.loads(drape((vertices, faces), *large)[1])
+    assert json.loads(out)["force_N"] == pytest.approx(0.005 * whole["force_N"], rel=1e-5)
+    status, _, err = drape((0.005 * vertices, faces), "--stl-unit", "mm")
+    assert status == 3
+    assert "give a sheet that fits it: --size" in err
+
+
 @pytest.mark.parametrize(
     ("text", "is_a"),
     [

@@ -37,6 +37,8 @@ from hyperfab.cloth.start import lowered
 from hyperfab.errors import InputError
 from hyperfab.io.stl import SIZE_RANGE
 
+#: A mold so many times larger or smaller than the sheet is none of it.
+_OUT_OF_PROPORTION = 20.0
 #: Direction of the bias test in degrees from the warp.
 BIAS = 45.0
 
@@ -108,12 +110,15 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
     """Ask what a mold's shape makes doubtful: its unit (InputError), which way is up, and a depth beyond its height."""
     low, high = placed.surface.bounds[0, :3], placed.surface.bounds[0, 3:]
     sides = high - low
-    if not SIZE_RANGE[0] <= sides.max() <= SIZE_RANGE[1]:
+    # A sheet in proportion tells that the unit is meant.
+    fits = 1.0 / _OUT_OF_PROPORTION < sides.max() / max(case.size) < _OUT_OF_PROPORTION
+    if not (fits or SIZE_RANGE[0] <= sides.max() <= SIZE_RANGE[1]):
         shown = " x ".join(f"{side:.3g}" for side in sides)
         raise InputError(
             f"measures {shown} mm when read in {case.stl_unit}",
             file=placed.name,
-            remedy="state its unit: --stl-unit m, cm, mm or inch",
+            remedy="state its unit: --stl-unit m, cm, mm or inch; if it is that small or large, give a sheet that fits it: "
+            "--size",
         )
     if case.wanted[-1] > sides[2] * (1.0 + 1e-9):
         above = case.wanted[-1] - sides[2]
