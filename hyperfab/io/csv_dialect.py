@@ -32,7 +32,7 @@ from hyperfab.io.tables import (
     with_units,
 )
 from hyperfab.io.titles import heading, unit_behind
-from hyperfab.io.xlsx import is_workbook, split_sheet, worksheets
+from hyperfab.io.xlsx import NOT_COMPUTED, is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.
 _COMMENT = re.compile(r"^(?:%|//)+(?=[ \t]*[^\W\d_]{2,})")
@@ -119,6 +119,15 @@ def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout:
         ]
         if len(tables) == 1:
             return [sheet(*tables[0])]
+        for title, rows in titles:
+            number = next((number for number, cells in rows if NOT_COMPUTED in cells), None)
+            if number is not None:
+                raise InputError(
+                    "has a formula whose value the file does not hold, and no table can be read",
+                    file=f"{split_sheet(name)[0]}:{title}",
+                    line=number,
+                    remedy="open the workbook in a spreadsheet program and save it again",
+                )
     if len({tuple(one.title for one in part.headings) for part in found}) != 1:
         names = [title for title, _ in titles]
         raise InputError(

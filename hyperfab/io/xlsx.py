@@ -24,6 +24,8 @@ MAX_UNPACKED = 256 * 2**20
 _COLUMN = re.compile(r"([A-Z]{1,3})(\d{1,7})")
 _NAME = re.compile(r"(.+\.xls[xm])(?::(.+))?", re.IGNORECASE | re.DOTALL)
 _FIFTEEN = Context(prec=15)
+#: What stands for a formula whose value the file does not hold: a program wrote it that computes none.
+NOT_COMPUTED = "=(not computed)"
 
 
 def split_sheet(name: str) -> tuple[str, str | None]:
@@ -276,7 +278,7 @@ def _cell(text: str, state: dict[str, Any], strings: list[str], formats: list[st
     if kind == "b":
         return "TRUE" if text == "1" else "FALSE"
     if not text:
-        return "=(not computed)"
+        return NOT_COMPUTED
     if kind != "n":
         return text.strip()
     style = formats[state["style"]] if state["style"] < len(formats) else ""

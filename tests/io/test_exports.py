@@ -408,6 +408,18 @@ def test_a_workbook_with_macros_declarations_or_a_bomb_in_it_is_refused() -> Non
         read(stream.getvalue(), "a")
 
 
+def test_formulas_that_no_program_has_computed_are_named() -> None:
+    """A workbook written by a script holds formulas without values: it was said that no sheet has a table."""
+    rows = [["strain", "stress"], ["%", "MPa"], *[[(str(10 * i),), (str(0.06 * i),)] for i in range(1, 9)]]
+    book, bare = BytesIO(exports.workbook({"Werte": rows})), BytesIO()
+    with zipfile.ZipFile(book) as whole, zipfile.ZipFile(bare, "w") as copy:
+        for part in whole.namelist():
+            text = whole.read(part).decode()
+            copy.writestr(part, re.sub(r'(<c r="B\d+">)<v>[\d.]+</v>', r"\1<f>A1*0.006</f><v></v>", text))
+    with pytest.raises(InputError, match=r"k\.xlsx:Werte, line 3: has a formula whose value .* save it again"):
+        read_tests(bare.getvalue(), "k.xlsx", test="uniaxial")
+
+
 def test_a_sheet_is_picked_by_name() -> None:
     rows = [["strain", "stress"], [None, "MPa"], *[[(e,), (s,)] for e, s in exports.PULL]]
     other = [["extension [mm]", "force [N]"], *[[(x,), (f,)] for x, f in exports.raw()]]
