@@ -117,8 +117,8 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
         raise InputError(
             f"measures {shown} mm when read in {case.stl_unit}",
             file=placed.name,
-            remedy="state its unit: --stl-unit m, cm, mm or inch; if it is that small or large, give a sheet that fits it: "
-            "--size",
+            remedy="state its unit: --stl-unit m, cm, mm or inch; if it is that small or large, "
+            "give a sheet that fits it: --size",
         )
     if case.wanted[-1] > sides[2] * (1.0 + 1e-9):
         above = case.wanted[-1] - sides[2]
