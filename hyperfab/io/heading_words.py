@@ -280,12 +280,13 @@ TESTS: dict[str, str] = {
         単軸引張; 引張; 引張試験; растяжение""",
 }
 DIRECTIONS: dict[str, str] = {
-    "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal; kette;
+    "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
+        longitudinal direction; kette;
         kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
         columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
-        transverse; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung; maschenreihe; quer;
-        querrichtung; trama; pasada; pasadas; trame; sens trame; rangee; fila""",
+        td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung;
+        maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; rangee; fila""",
 }
 BRANCHES: dict[str, str] = {
     "load": """load; loading; up; forward; extension; stretch; belastung; belasten; hin; hinweg; carga; charge;

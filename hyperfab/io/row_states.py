@@ -25,10 +25,14 @@ from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
 
 #: Words of a direction that mean another thing in a name.
-_UNSURE = (
-    "length", "machine", "fill", "filling", "cross", "transverse", "longitudinal", "columna", "columnas", "fila",
-    "colonne", "teia",
-)  # fmt: skip
+_UNSURE = ("length", "machine", "fill", "filling", "cross", "columna", "columnas", "fila", "colonne", "teia")
+#: What one of these stands before is measured that way, not cut: transverse strain.
+_MEASURED = ("strain", "stretch", "contraction", "extension", "deformation", "dehnung", "gauge", "extensometer", "wave")
+#: An angle in a name, ``45deg`` or ``45 \u00b0``, but no temperature; strips are cut at multiples of 15.
+_ANGLE = re.compile(
+    r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
+)
+_CUT = 15
 _SIDES = {"load": 1, "unload": -1}
 
 
@@ -37,8 +41,7 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     column = columns.columns.get("direction")
     if column is None:
         entry = stated(sheet, "direction")
-        named = next(filter(None, map(_in_name, names_of(sheet.name))), None)
-        value = None if named is None else DIRECTIONS[named]
+        value = next((told for told in map(_in_name, names_of(sheet.name)) if told is not None), None)
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         return [value] * len(sheet.lines)
@@ -50,17 +53,25 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     return [known[text] for text in texts]
 
 
-def _in_name(name: str) -> str | None:
-    """Return the direction that the name of a file or a sheet tells; none where it tells two, or of a warp knit.
+def _in_name(name: str) -> float | None:
+    """Return the degrees from the warp that the name of a file or a sheet tells; none where it tells two of them.
 
-    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft"), _in_name("-")
-    ('weft', None, None, None)
+    A warp knit, a transverse strain and a temperature are none.
+
+    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft"), _in_name("PET transverse 2")
+    (90.0, None, None, 90.0)
+    >>> _in_name("jersey_45deg_1"), _in_name("rib 45degC"), _in_name("vhb_20deg"), _in_name("foil machine direction")
+    (45.0, None, None, 0.0)
     """
-    found = {
-        told
-        for word, after in pairwise([*plain(name).split(), ""])
-        if word not in _UNSURE and not after.startswith(("knit", "wirk")) and (told := word_for(word, "DIRECTIONS"))
-    }
+    found = set()
+    for word, after in pairwise([*plain(name).split(), ""]):
+        told = word_for(f"{word} {after}", "DIRECTIONS") or (
+            word_for(word, "DIRECTIONS") if word not in _UNSURE else None
+        )
+        if told and after not in _MEASURED and not after.startswith(("knit", "wirk")):
+            found.add(DIRECTIONS[told])
+    text = name.replace("_", " ").casefold()
+    found.update(float(angle) for angle in _ANGLE.findall(text) if int(angle) % _CUT == 0 and int(angle) < 180)
     return found.pop() if len(found) == 1 else None
 
 
