@@ -38,14 +38,14 @@ def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> 
     is least, and nowhere nothing, is a stretch that a compression began.
     """
     values = plain_values(cells)
-    if values and max(values) < 20.0 and (values[0] >= 0.9 or _is_one_at_rest(cells, stress)):
+    if values and max(values) < 20.0 and (values[0] >= 0.9 or is_one_at_rest(cells, stress)):
         return "stretch"
     percent = max(values, default=0.0) > 3.0 and "stretch" not in title.casefold()
     return "strain [%]" if percent else "strain [-]"
 
 
-def _is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
-    """Whether a column is above nothing throughout, and near one where the stress beside it is least."""
+def is_one_at_rest(cells: Sequence[str], stress: Sequence[str]) -> bool:
+    """Return whether a column is above nothing throughout, and near one where the stress beside it is least."""
     pairs = [
         (abs(other), value)
         for one, two in zip(cells, stress, strict=False)

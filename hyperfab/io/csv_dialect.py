@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.errors import InputError
-from hyperfab.io.cells import NO_READING, is_number, shape
+from hyperfab.io.cells import NO_READING, is_number, is_one_at_rest, shape
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, is_closing
 from hyperfab.io.encoding import decode
@@ -295,8 +295,11 @@ def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layou
 def _headless(rows: list[Row], name: str) -> InputError:
     """Return the error that no line names the columns, with what their first readings suggest."""
     columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
-    first = shape(columns[0], stress=columns[1] if len(columns) > 1 else ())
-    filled = filled_in([("1", first), ("2", "stress [MPa]")])
+    one, two = (*columns, ())[:2]
+    names = [("1", shape(one, stress=two)), ("2", "stress [MPa]")]
+    if names[0][1] != "stretch" and is_one_at_rest(two, one):
+        names = [("1", "stress [MPa]"), ("2", "stretch")]
+    filled = filled_in(names)
     return InputError(
         "starts with numbers, there is no header",
         file=name,

@@ -236,7 +236,8 @@ SETTINGS: dict[str, str] = {
         altura de la probeta; hauteur; hauteur de l eprouvette; altezza; altezza del provino""",
     "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
         diametre; diametre de l eprouvette; 直径; диаметр""",
-    "area": """area; cross section; cross sectional area; cross section area; initial area; s0; querschnitt;
+    "area": """area; specimen area; sample area; cross section;
+        cross sectional area; cross section area; initial area; s0; querschnitt;
         querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion; area de la seccion; area inicial;
         seccion transversal; section; section initiale; aire; sezione; area iniziale; secao; secao transversal;
         断面積; площадь""",

@@ -14,6 +14,8 @@ from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 #: test, in MPa or N/mm.
 LARGEST_STRETCH = 50.0
 PEAK_STRESS = (1e-9, 1e6)
+#: Up to this share of the rows of a push may read tension.
+_FEW = 0.1
 
 
 def _as_strain(sheet: CsvSheet, column: Column) -> str:
@@ -45,7 +47,8 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         if peak > 0.0 and found.mode != "biaxial-general"
         else np.array([], dtype=int)
     )
-    if swapped.size:
+    # A glitch of the load cell, or a platen that sticks, is no wrong column.
+    if swapped.size > _FEW * np.count_nonzero(stretch < below):
         row = int(swapped[0])
         pull, push = columns.first(STRETCHES), columns.first(STRESSES)
         remedy = "are the columns of stretch and stress swapped?"

@@ -69,6 +69,8 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             key, value, unit, place = taken
             text = value if unit is None or not value or unit_of(value.lstrip("+-0123456789., ")) else f"{value} {unit}"
             name, entry = entry_of(key, text, line)
+            if name == "direction" and kind_named(value) is not None:  # Direction: compression
+                name = "test"
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
                 found.setdefault(name, []).append(entry)
     return found

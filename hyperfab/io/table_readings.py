@@ -28,6 +28,7 @@ def keep_readings(block: Block, name: str, separator: str) -> None:
     width = len(block.headings)
     kept: list[Row] = []
     waiting: list[Row] = []
+    foot: list[Row] = []
     properties = _properties(block.rows)
     if properties:
         block.left_out["property of the channels, no reading"] += properties
@@ -47,9 +48,19 @@ def keep_readings(block: Block, name: str, separator: str) -> None:
         elif place > last or is_closing(next(cell for cell in cells if cell)):
             block.left_out["closing row, no reading"] += 1
             block.words.append(next(cell for cell in cells if cell)[:40])
+            foot.append((line, cells))
         else:
             waiting.append((line, cells))
     block.rows = kept
+    _stated_in(foot, block)
+
+
+def _stated_in(rows: Sequence[Row], block: Block) -> bool:
+    """Add what rows below or beside the readings state of the specimen and the test, each told once; whether any do."""
+    told = {key: own for key, own in settings(rows).items() if key in SETTINGS and len(own) == 1}
+    for key, own in told.items():
+        block.metadata.setdefault(key, []).extend(own)
+    return bool(told)
 
 
 def _stated_beside(block: Block) -> None:
@@ -62,11 +73,7 @@ def _stated_beside(block: Block) -> None:
             continue
         if not any(setting(heading(word.partition(":")[0], 0).label) in SETTINGS for word in words):
             continue
-        told = settings([(line, cells[place:]) for line, cells in rows])
-        sizes = {key: own for key, own in told.items() if key in SETTINGS and len(own) == 1}
-        if sizes:
-            for key, own in sizes.items():
-                block.metadata.setdefault(key, []).extend(own)
+        if _stated_in([(line, cells[place:]) for line, cells in rows], block):
             block.headings = block.headings[:place]
             cut = [(line, cells[:place], cells[place:]) for line, cells in block.rows]
             block.rows = [(line, own) for line, own, beside in cut if any(own) or not any(beside)]

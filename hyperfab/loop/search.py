@@ -141,14 +141,21 @@ class Search:
         return best
 
     def without(self, state: Candidate, name: str) -> Candidate:
-        """Return the model without one of its terms, refitted from where it is."""
+        """Return the model without one of its terms, refitted from where it is and from the base's own optimum.
+
+        A term that carries most of the stress leaves the others far from where they do without it.
+        """
         forms = {key: form for key, form in state.fit.forms.items() if key != name}
         key = tuple(sorted((one, form.name) for one, form in forms.items()))
         if key in self._states:
             return self._states[key]
         keep = np.ones(len(state.fit.x), dtype=bool)
         keep[state.fit.place(name)] = False
-        return self.state(fit(self.problem, self.noise, forms, state.fit.x[keep]))
+        left = state.fit.x[keep]
+        base = self._own_optimum or self._states.get(())
+        starts = [left] if base is None else [left, np.concatenate([base.fit.x, left[state.fit.own :]])]
+        fits = [fit(self.problem, self.noise, forms, start) for start in starts]
+        return self.state(min(fits, key=lambda one: one.cost))
 
     def polished(self, state: Candidate) -> Candidate:
         """Return the model with each term in the form that suits it best now that the others are there."""

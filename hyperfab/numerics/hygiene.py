@@ -14,13 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.numerics.spikes import FAR, SMALL_LEAP, SMALL_STEP, off_in_hold, scatter, starts_off
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
-#: Steps below this share of the whole way, or of the peak, are no remark's business.
-SMALL_STEP, SMALL_LEAP = 0.003, 0.05
-#: So many standard deviations of its own scatter make a step, of which a curve has hundreds, no chance.
-FAR = 8.0
 #: Branches and cycles that differ by less than this share of the peak may be averaged without a word.
 ALIKE = 0.02
 #: A reading before the pull beyond this share of the peak is an offset.
@@ -141,16 +138,6 @@ def first_loading(stretch: Array, branch: Ints | None = None, cycle: Ints | None
     return np.asarray(found)
 
 
-def scatter(values: Array) -> float:
-    """Return the standard deviation of a reading about its neighbours, by second differences, robustly.
-
-    On a coarse curve its curvature counts as scatter: such a curve draws fewer remarks, not more.
-    """
-    if len(values) < 5:
-        return float(np.ptp(values)) if len(values) else 0.0
-    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0))
-
-
 def look(
     stretch: Array,
     stress: Array,
@@ -249,8 +236,11 @@ def _leaps(way: Array, stress: Array) -> Iterator[Doubt]:
     off = np.abs(stress[1:-1] - 0.5 * (stress[:-2] + stress[2:]))
     around = np.abs(stress[2:] - stress[:-2])
     spikes = 1 + np.flatnonzero((off > least) & (off > 4.0 * around) & (step[1:] * step[:-1] > 0.0))
+    begins = starts_off(way, stress)
+    spikes = np.union1d(spikes, [*([0] if begins else []), *off_in_hold(way, stress, least)]).astype(np.int64)
     if spikes.size:
-        size = float(off[spikes - 1].max()) / peak
+        off = np.concatenate([[abs(stress[0] - stress[1])], off, [0.0]])
+        size = float(off[spikes].max()) / float(np.abs(stress[int(begins) :]).max())
         yield Doubt(
             "spike",
             tuple(int(row) for row in spikes),
@@ -306,14 +296,15 @@ def _offset(stretch: Array, stress: Array, stretch2: Array | None) -> Iterator[D
     rest = np.abs(stretch - 1.0) <= 1e-6
     if stretch2 is not None:
         rest &= np.abs(stretch2 - 1.0) <= 1e-6
+    begin = int(starts_off(stretch, stress))
     first = int(np.argmin(rest)) if not rest.all() else 0
-    if first == 0:
+    if first <= begin:
         return
-    peak, mean = float(np.abs(stress).max()), float(np.mean(stress[:first]))
+    peak, mean = float(np.abs(stress[begin:]).max()), float(np.mean(stress[begin:first]))
     if abs(mean) > max(OFFSET * peak, FAR * scatter(stress)):
         yield Doubt(
             "offset",
-            tuple(range(first)),
+            tuple(range(begin, first)),
             abs(mean) / peak,
             f"the stress is {100 * mean / peak:.0f} % of the peak at a stretch of 1, before the pull",
             "--zero counts from the first row",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import re
 
+import numpy as np
 import pytest
 
 from hyperfab.errors import InputError
@@ -129,3 +131,50 @@ def test_a_strain_in_a_column_that_is_called_a_stretch_is_told_for_what_it_is() 
     option = '--columns "stretch_uni=strain [-],stress_uni=stress [MPa]"'
     with pytest.raises(InputError, match=re.escape(f"is it a strain? then say {option}")):
         read_tests(data, "a.csv", test="uniaxial", columns=said)
+
+
+@pytest.mark.parametrize(
+    ("table", "option"),
+    [
+        ("-0.9 0.6\n-0.4 0.8\n0 1.0\n0.3 1.4\n", "1=stress [MPa],2=stretch"),
+        ("0 1.0\n0.3 1.4\n0.5 1.9\n", "1=stress [MPa],2=stretch"),
+        ("1.0 0\n1.4 0.3\n1.9 0.5\n", "1=stretch,2=stress [MPa]"),
+        ("0 0\n0.1 0.9\n0.2 1.1\n", "1=strain [-],2=stress [MPa]"),
+    ],
+)
+def test_of_a_table_without_a_head_the_column_that_is_one_where_nothing_pulls_is_the_stretch(
+    table: str, option: str
+) -> None:
+    with pytest.raises(InputError, match="there is no header") as caught:
+        read_tests(table.encode(), "k3.txt", test="uniaxial")
+    assert f'--columns "{option}"' in str(caught.value)
+
+
+#: A compression test as a stand writes it: what was pressed stands below the readings.
+FOOT = (
+    "Direction:, COMPRESSION\nControl Rate:, 5.0 mm/min\nSpecimen Length (mm):, 10\nSpecimen Diameter (mm):, 20\n"
+    "\nStatus:, PASS\n"
+)
+
+
+@pytest.mark.parametrize("gap", ["", "\n"])
+def test_what_stands_below_the_readings_is_known_as_if_it_stood_above(gap: str) -> None:
+    table = "Time (sec), Load (N), Position (mm)\n" + "".join(f"{k}, {3 * k}, {0.5 * k}\n" for k in range(6))
+    with pytest.raises(InputError, match="--gauge-length 10mm"):
+        read_tests(f"{table}{gap}{FOOT}".encode(), "gel 1.csv")
+    [found] = read_tests(f"{table}{gap}{FOOT}".encode(), "gel 1.csv", geometry=Geometry(gauge_length=10.0))
+    assert found.mode == "uniaxial"
+    assert (found.stretch[-1], found.stress[-1]) == pytest.approx((0.75, -15.0 / (100.0 * math.pi)))
+    # Means below the readings state nothing.
+    [plain] = read_tests(f"# test: compression\n# diameter: 20 mm\n{table}mean, 8, 1\nsd, 2, 0.3\n".encode(), "g.csv",
+                         geometry=Geometry(gauge_length=10.0))  # fmt: skip
+    assert plain.stress == pytest.approx(found.stress)
+
+
+def test_a_load_cell_that_is_knocked_in_a_push_is_no_wrong_column() -> None:
+    rows = [f"{k},{2 * k}" for k in range(30)]
+    head = "# test: compression\n# gauge length: 50 mm\n# diameter: 20 mm\nextension [mm],force [N]\n"
+    [found] = read_tests("\n".join([head.rstrip(), *rows, "29,-40", "29,55"]).encode(), "gel.csv")
+    assert np.count_nonzero(found.stress > 0.0) == 1
+    with pytest.raises(InputError, match="below 1"):
+        read_tests("\n".join([head.rstrip(), *rows, *["29,-40"] * 6]).encode(), "gel.csv")

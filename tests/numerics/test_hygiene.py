@@ -172,3 +172,41 @@ def test_compression_is_loading_too() -> None:
 def test_a_held_axis_is_looked_at_along_the_other() -> None:
     across, stress = pull()
     assert look(np.ones(240), stress, stretch2=across) == []
+
+
+def held(seed: int, count: int = 60) -> tuple[np.ndarray, np.ndarray]:
+    """A pull to 1.5 that is held and relaxes by a half."""
+    rng = np.random.default_rng(seed)
+    way = np.concatenate([np.linspace(1.0, 1.5, 40), np.full(count, 1.5)])
+    stress = np.concatenate([np.linspace(0.0, 1.0, 40), 0.5 + 0.5 * np.exp(-np.arange(count) / 6.0)])
+    return way, stress + 0.004 * rng.standard_normal(40 + count)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_glitch_of_two_rows_in_a_hold_is_told_and_what_relaxes_is_not(seed: int, sign: float) -> None:
+    stretch, stress = held(seed)
+    assert "spike" not in kinds(look(stretch, sign * stress))
+    stress[[70, 71]] = -0.4, 0.1
+    [found] = [one for one in look(stretch, sign * stress) if one.kind == "spike"]
+    assert found.rows == (70, 71)
+
+
+def test_a_knock_on_every_tenth_row_of_a_hold_is_noise() -> None:
+    stretch, stress = held(0)
+    stress[45::6] += 0.3
+    assert "spike" not in kinds(look(stretch, stress))
+
+
+@pytest.mark.parametrize("rows", [1, 3])
+def test_a_first_row_that_reads_what_no_row_behind_it_does_is_no_offset(rows: int) -> None:
+    stretch, stress = pull(noise=0.001)
+    stretch, stress = np.concatenate([np.ones(rows), stretch]), np.concatenate([np.zeros(rows), stress])
+    assert look(stretch, stress) == []
+    stress[0] = 5.0 * stress.max()
+    [found] = look(stretch, stress)
+    assert (found.kind, found.rows) == ("spike", (0,))
+    assert found.size == pytest.approx(5.0, rel=1e-2)
+    # One that is there in all rows at rest is an offset still.
+    taut = np.concatenate([np.full(3, 0.2 * stress[1:].max()), stress[rows:]])
+    assert kinds(look(np.concatenate([np.ones(3), stretch[rows:]]), taut)) == {"offset"}
