@@ -14,14 +14,15 @@ from hyperfab.documents.material import Tested
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.layout import Layout
-from hyperfab.numerics.hygiene import Doubt, look
+from hyperfab.numerics.doubt import Doubt
+from hyperfab.numerics.hygiene import look
 
 #: What a file says of itself and the laws, or nobody, has a use for.
 _KNOWN = {
     "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
     "area", "grip distance", "extensometer length", "gauge", "diameter", "source", "date", "time", "operator",
     "machine", "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license", "doi",
-    "year",
+    "year", "specimen length", "height",
 }  # fmt: skip
 #: So many places are named one by one; the others are counted.
 SHOWN = 4
@@ -32,7 +33,7 @@ COLDEST, HOTTEST = -60.0, 400.0
 def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str]:
     """Return one remark a kind of oddity, gravest first, over all ``tests``; kinds in ``silent`` are settled.
 
-    The kinds are those of ``hyperfab.numerics.hygiene.Doubt``, and ``twin``: the same readings in two files.
+    The kinds are those of ``hyperfab.numerics.doubt.Doubt``, and ``twin``: the same readings in two files.
     """
     found: dict[str, list[tuple[TestData, Doubt]]] = {}
     for test in tests:

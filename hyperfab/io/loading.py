@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
-from hyperfab.io.csv_numbers import other_unit, quantities
+from hyperfab.io.csv_numbers import numbers, other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain
 from hyperfab.io.headings import meaning
@@ -26,6 +26,10 @@ _LENGTHS = ("extension", "length", "position")
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.
 MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
+
+
+#: Up to this share of the largest load a pull has not begun.
+_UNLOADED = 0.1
 
 
 @dataclass(frozen=True)
@@ -242,10 +246,18 @@ class _Reader:
         values = self._signed(values, column)
         if sizes.gauge_length is None and axis and sizes.diameter is None:
             self.notes.append(f"{head.title} is over a gauge length of {length:g} mm")
-        if name == "position":
+        if name == "position" or self._is_place(values, column):
             values = values - values[0]
             self.notes.append(f"{head.title} is counted from its first row")
         return 1.0 + values / length
+
+    def _is_place(self, values: Array, column: Column) -> bool:
+        """Whether an extension is where the crosshead stands: more than it changes by, with next to no load yet."""
+        force = self.roles.first(STRESSES, " 2" if column.name.endswith(" 2") else "")
+        if column.name.removesuffix(" 2") != "extension" or force is None or not abs(values[0]) > np.ptp(values) > 0.0:
+            return False
+        loads = np.abs(numbers(self.sheet, force.heading, self.specimen.decimal))
+        return bool(loads[0] <= _UNLOADED * loads.max())
 
     def stress(self, place: str, stretch: Array | None) -> tuple[Array | None, bool, Array | None]:
         """Return (nominal stress, whether it is N/mm, its standard deviation)."""

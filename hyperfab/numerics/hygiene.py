@@ -7,37 +7,22 @@ noisy draws no remark: every threshold is the larger of a share of the curve and
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.numerics.spikes import FAR, SMALL_LEAP, SMALL_STEP, off_in_hold, scatter, starts_off
+from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, scatter
+from hyperfab.numerics.rest import offset, starts_off, unzeroed
+from hyperfab.numerics.spikes import off_in_hold
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
 #: Branches and cycles that differ by less than this share of the peak may be averaged without a word.
 ALIKE = 0.02
-#: A reading before the pull beyond this share of the peak is an offset.
-OFFSET = 0.02
 #: Below this share of the peak a reading is zero, whatever its last digits say.
 ZERO = 1e-9
-
-
-@dataclass(frozen=True)
-class Doubt:
-    """What is odd about a curve: its ``kind``, the rows (of the arrays given), a size as a share, and the words.
-
-    Kinds: ``unloading``, ``cycles``, ``step-back``, ``drop``, ``spike``, ``saturation``, ``doubled``, ``offset``.
-    """
-
-    kind: str
-    rows: tuple[int, ...]
-    size: float
-    text: str
-    remedy: str
 
 
 def turns(way: Array, share: float = TURN) -> list[slice]:
@@ -156,7 +141,8 @@ def look(
         *_steps_back(way, stress),
         *_saturated(way, stress),
         *_leaps(way, stress),
-        *_offset(stretch, stress, stretch2),
+        *offset(stretch, stress, stretch2),
+        *unzeroed(way, stress),
     ]
     if np.ptp(way) > 0.0:
         side = branches(way) if branch is None else branch
@@ -288,26 +274,6 @@ def _doubled(stretch: Array, stress: Array, time: Array | None) -> Iterator[Doub
             len(rows) / count,
             f"{len(rows)} of {count} rows stand twice",
             "leave out the copies",
-        )
-
-
-def _offset(stretch: Array, stress: Array, stretch2: Array | None) -> Iterator[Doubt]:
-    """A stress before the pull: the load cell was not at zero, or the specimen is clamped taut."""
-    rest = np.abs(stretch - 1.0) <= 1e-6
-    if stretch2 is not None:
-        rest &= np.abs(stretch2 - 1.0) <= 1e-6
-    begin = int(starts_off(stretch, stress))
-    first = int(np.argmin(rest)) if not rest.all() else 0
-    if first <= begin:
-        return
-    peak, mean = float(np.abs(stress[begin:]).max()), float(np.mean(stress[begin:first]))
-    if abs(mean) > max(OFFSET * peak, FAR * scatter(stress)):
-        yield Doubt(
-            "offset",
-            tuple(range(begin, first)),
-            abs(mean) / peak,
-            f"the stress is {100 * mean / peak:.0f} % of the peak at a stretch of 1, before the pull",
-            "--zero counts from the first row",
         )
 
 

@@ -1,7 +1,4 @@
-"""Single readings that no specimen can have given, where neighbours that move do not tell: in a hold, in the first row.
-
-Stretch and stress (n,) are in the order they were read, in any unit of stress.
-"""
+"""Single readings that no specimen can have given, at a held stretch, where neighbours that move do not tell."""
 
 from __future__ import annotations
 
@@ -9,23 +6,10 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from hyperfab.arrays import Array
+from hyperfab.numerics.doubt import SMALL_STEP
 
-#: Steps below this share of the whole way, or of the peak, are no remark's business.
-SMALL_STEP, SMALL_LEAP = 0.003, 0.05
-#: So many standard deviations of its own scatter make a step, of which a curve has hundreds, no chance.
-FAR = 8.0
 #: A glitch in a hold lasts so many rows at most; more than this share of all rows is noise.
 _TOGETHER, _MANY = 3, 0.02
-
-
-def scatter(values: Array) -> float:
-    """Return the standard deviation of a reading about its neighbours, by second differences, robustly.
-
-    On a coarse curve its curvature counts as scatter: such a curve draws fewer remarks, not more.
-    """
-    if len(values) < 5:
-        return float(np.ptp(values)) if len(values) else 0.0
-    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0))
 
 
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
@@ -51,11 +35,3 @@ def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
         found += kept[out].tolist()
         kept = np.delete(kept, out)
     return found if len(found) <= _MANY * len(stress) + 2 else []
-
-
-def starts_off(way: Array, stress: Array) -> bool:
-    """Return whether the first row, before the pull, reads what those behind it do not: an amplifier switched on."""
-    if len(stress) < 8 or abs(way[0] - 1.0) > 1e-6:
-        return False
-    least = max(SMALL_LEAP * float(np.abs(stress[1:]).max()), 1.5 * FAR * scatter(stress[1:]))
-    return bool(abs(stress[0]) > least and abs(stress[0] - stress[1]) > max(least, 4.0 * abs(stress[2] - stress[1])))

@@ -178,3 +178,16 @@ def test_a_load_cell_that_is_knocked_in_a_push_is_no_wrong_column() -> None:
     assert np.count_nonzero(found.stress > 0.0) == 1
     with pytest.raises(InputError, match="below 1"):
         read_tests("\n".join([head.rstrip(), *rows, *["29,-40"] * 6]).encode(), "gel.csv")
+
+
+@pytest.mark.parametrize("title", ["Crosshead (mm)", "Displacement [mm]"])
+def test_a_crosshead_that_tells_where_it_stands_is_counted_from_its_first_row(title: str) -> None:
+    head = f"# test: uniaxial\n# gauge length: 25 mm\n# width: 5 mm\n# thickness: 1 mm\n{title},Load (N)\n"
+    pulled = head + "".join(f"{25.79 + 0.5 * k},{0.1 + 0.4 * k}\n" for k in range(9))
+    [found] = read_tests(pulled.encode(), "pleura.txt")
+    assert found.stretch[[0, -1]] == pytest.approx([1.0, 1.16])
+    assert any("counted from its first row" in note for note in found.notes)
+    # A hold that was exported without its pull begins with its load, and stands at its stretch.
+    held = head + "".join(f"{40 + 1e-4 * (k % 2)},{2.0 / (1 + k)}\n" for k in range(9))
+    [found] = read_tests(held.encode(), "hold.txt")
+    assert found.stretch[0] == pytest.approx(2.6)

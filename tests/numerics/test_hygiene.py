@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.numerics.hygiene import Doubt, branches, cycles, look, turns
+from hyperfab.numerics.doubt import Doubt
+from hyperfab.numerics.hygiene import branches, cycles, look, turns
 
 
 def pull(count: int = 240, seed: int = 0, noise: float = 0.003) -> tuple[np.ndarray, np.ndarray]:
@@ -210,3 +211,20 @@ def test_a_first_row_that_reads_what_no_row_behind_it_does_is_no_offset(rows: in
     # One that is there in all rows at rest is an offset still.
     taut = np.concatenate([np.full(3, 0.2 * stress[1:].max()), stress[rows:]])
     assert kinds(look(np.concatenate([np.ones(3), stretch[rows:]]), taut)) == {"offset"}
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+@pytest.mark.parametrize("begun", [0.08, 0.4, 4.0])
+def test_a_stretch_that_was_not_set_to_zero_is_told(begun: float, noise: float) -> None:
+    stretch, stress = pull(noise=noise)
+    [found] = look(stretch + begun, stress)
+    assert (found.kind, found.rows) == ("unzeroed", (0,))
+    assert "--zero" in found.remedy
+
+
+def test_a_curve_whose_first_points_lack_is_counted_from_its_rest() -> None:
+    strain = np.linspace(0.1, 0.6, 60)
+    for stiffening in (0.1, 3.0, 15.0):
+        assert look(1.0 + strain, np.exp(stiffening * strain) - 1.0) == []
+    # A knit that is slack at first carries next to nothing there.
+    assert look(1.0 + strain, 1e-3 * strain + np.maximum(strain - 0.2, 0.0) ** 2) == []

@@ -12,7 +12,7 @@ from hyperfab.chapters.fit.identify import NOISY, Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
 from hyperfab.materials.modes import SIMPLE_SHEAR
-from hyperfab.numerics.spikes import scatter
+from hyperfab.numerics.doubt import scatter
 from hyperfab.report.bands import determined
 
 #: A reading so many standard deviations off is no chance; laws that fit poorly leave up to 5 at the ends of a curve.

@@ -21,9 +21,9 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows
 from hyperfab.materials.identification.hyperfoam import identify
+from hyperfab.numerics.doubt import scatter
 from hyperfab.numerics.hygiene import first_loading
 from hyperfab.numerics.monotone import never_falling
-from hyperfab.numerics.spikes import scatter
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
