@@ -12,7 +12,7 @@ from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, measured
 from hyperfab.io.headings import KIND, Heading, is_of, is_unread, meaning
-from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles
+from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles, state_of
 from hyperfab.io.titles import heading, unit_of, unread_unit
 from hyperfab.io.units import is_unit
 
@@ -103,6 +103,9 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
                 name, gap, unit = told.partition(" [")
                 name = measured(name, one.title) or name
                 entries[one.index] = (one.title, f"{name}{place}{gap}{unit}")
+                if names is STRESSES and state_of(one.title):  # warp, weft: of each its own
+                    alike = [other for other in rest if state_of(other.title)]
+                    entries |= {other.index: (other.title, f"{name}{place}{gap}{unit}") for other in alike}
     return [entries[index] for index in sorted(entries)]
 
 

@@ -86,9 +86,11 @@ def read(head: Heading) -> Meaning | None:
 def by_unit(head: Heading) -> str | None:
     """Return what a column that is called after a specimen holds, by its unit."""
     match = SPECIMEN.fullmatch(plain(head.label))
-    if match is None or match[2] or head.unit is None:
-        return None
-    return next((name for kind, name in BY_KIND.items() if is_of(head.unit, kind)), None)
+    return None if match is None or match[2] else _of_unit(head)
+
+
+def _of_unit(head: Heading) -> str | None:
+    return next((name for kind, name in BY_KIND.items() if head.unit is not None and is_of(head.unit, kind)), None)
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,10 @@ class Label:
 
 
 def label_of(head: Heading) -> tuple[Heading, Label] | None:
-    """Return a heading without the label in its title and that: ``Stress_2``, ``Course stress``, ``Stress 20C``."""
+    """Return a heading without the label in its title and that: ``Stress_2``, ``Course stress``, ``Stress 20C``.
+
+    A title may be the label alone, where the unit is one of a stress or a force: ``Warp [MPa]``.
+    """
     match = _LABELLED.fullmatch(plain(head.label))
     if match:
         made = replace(head, label=match[1].strip())
@@ -113,7 +118,8 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
         label = state_of(" ".join(own)) or _test_of(head, " ".join(own))
         if rest and label and read(made) is not None:
             return made, label
-    return None
+    label, name = state_of(" ".join(words)), _of_unit(head)
+    return (replace(head, label=name), label) if label and name in STRESSES else None
 
 
 def state_of(text: str) -> Label | None:

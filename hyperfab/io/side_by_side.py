@@ -39,7 +39,7 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     chosen = {head.index: one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings))}
     if any(one.name.endswith(" 2") or one.is_number for one in chosen.values()):
         return [sheet]
-    own = [heading(one.title, one.index) if one.index in chosen else one for one in sheet.headings]
+    own = [_plainly(one, chosen[one.index]) if one.index in chosen else one for one in sheet.headings]
     groups, shared, stated = _grouped(own, one_axis)
     if chosen:
         sheet = replace(sheet, layout=_for_all_alike(sheet.layout, groups, chosen))
@@ -60,6 +60,13 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
             metadata[setting] = [Entry(value, sheet.header_line, sure=setting == "test")]
         found.append(_part(sheet, heads, shared, f"{sheet.label} {key}".strip(), metadata))
     return found
+
+
+def _plainly(head: Heading, choice: Choice) -> Heading:
+    """Return a column as its title reads; one that only says which (``Warp``) in the unit of the command line."""
+    plainly = heading(head.title, head.index)
+    bare = plainly.unit is None and state_of(head.title) is not None
+    return replace(plainly, unit=choice.unit) if bare else plainly
 
 
 def _grouped(

@@ -19,7 +19,7 @@ class Doubt:
     """What is odd about a curve: its ``kind``, the rows (of the arrays given), a size as a share, and the words.
 
     Kinds: ``unloading``, ``cycles``, ``step-back``, ``drop``, ``spike``, ``saturation``, ``doubled``, ``offset``,
-    ``unzeroed``.
+    ``unzeroed``, ``failing``.
     """
 
     kind: str

@@ -143,6 +143,7 @@ def look(
         *_leaps(way, stress),
         *offset(stretch, stress, stretch2),
         *unzeroed(way, stress),
+        *_failing(way, stress),
     ]
     if np.ptp(way) > 0.0:
         side = branches(way) if branch is None else branch
@@ -274,6 +275,24 @@ def _doubled(stretch: Array, stress: Array, time: Array | None) -> Iterator[Doub
             len(rows) / count,
             f"{len(rows)} of {count} rows stand twice",
             "leave out the copies",
+        )
+
+
+def _failing(way: Array, stress: Array) -> Iterator[Doubt]:
+    """A stress that falls for good while the stretch goes on to its end: the specimen tears, layer by layer."""
+    top, last = int(np.abs(stress).argmax()), int(_away(way).argmax())
+    peak, rest = stress[top], stress[top : last + 1]
+    if len(rest) < 5 or abs(way[last] - way[top]) < 10.0 * SMALL_STEP * np.ptp(way):
+        return
+    fallen = 1.0 - float(np.sign(peak) * rest[-1] / abs(peak))
+    climbs = float(np.max(np.maximum.accumulate(rest[::-1] * np.sign(peak)) - rest[::-1] * np.sign(peak)))
+    if fallen > 2.0 * SMALL_LEAP and climbs < 0.2 * fallen * abs(peak):
+        yield Doubt(
+            "failing",
+            tuple(range(top + 1, last + 1)),
+            fallen,
+            f"the stress falls by {100 * fallen:.0f} % behind its peak at a stretch of {way[top]:.3g}, to the end",
+            "does the specimen tear there? no elastic law falls: leave out what follows the peak",
         )
 
 

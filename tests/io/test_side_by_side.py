@@ -126,3 +126,27 @@ def test_a_push_of_a_few_per_cent_whose_stress_is_positive_is_asked_about() -> N
     assert as_told(data)[0].stress.max() <= 0.0
     slack = table("strain,stress [kPa]", np.linspace(-0.03, 0.5, 15), np.linspace(0.1, 1.0, 15))
     assert read_tests(slack, "a.csv", test="uniaxial")[0].stretch.min() == pytest.approx(0.97)
+
+
+@pytest.mark.parametrize(
+    ("heads", "directions", "temperatures"),
+    [
+        ("strain,warp [MPa],weft [MPa]", [0.0, 90.0], [None, None]),
+        ("strain,MD (N/mm2),TD (N/mm2)", [0.0, 90.0], [None, None]),
+        ("strain,0deg [MPa],45 deg [MPa]", [0.0, 45.0], [None, None]),
+        ("strain,20C [MPa],80C [MPa]", [None, None], [20.0, 80.0]),
+    ],
+)
+def test_titles_that_only_say_which_are_stresses_by_their_unit(
+    heads: str, directions: list[float | None], temperatures: list[float | None]
+) -> None:
+    found = read_tests(table(heads, STRAIN, *PULLS), "a.csv", test="uniaxial")
+    same(found)
+    assert [one.direction for one in found] == directions
+    assert [None if one.temperature_degC is None else one.temperature_degC[0] for one in found] == temperatures
+
+
+def test_titles_that_only_say_which_are_all_proposed_as_stresses() -> None:
+    found = as_told(table("x,warp,transverse", STRAIN, *PULLS))
+    same(found)
+    assert [one.direction for one in found] == [0.0, 90.0]

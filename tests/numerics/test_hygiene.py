@@ -228,3 +228,22 @@ def test_a_curve_whose_first_points_lack_is_counted_from_its_rest() -> None:
         assert look(1.0 + strain, np.exp(stiffening * strain) - 1.0) == []
     # A knit that is slack at first carries next to nothing there.
     assert look(1.0 + strain, 1e-3 * strain + np.maximum(strain - 0.2, 0.0) ** 2) == []
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("noise", [0.0, 0.004])
+def test_a_specimen_that_tears_layer_by_layer_is_told_from_its_peak_on(sign: float, noise: float) -> None:
+    way = np.linspace(0.0, 1.0, 101)
+    rng = np.random.default_rng(3)
+    stress = np.minimum(way / 0.7, 1.0 - 1.2 * (way - 0.7)) + noise * rng.standard_normal(101)
+    [found] = look(1.0 + sign * 0.6 * way, sign * stress)
+    assert found.kind == "failing"
+    assert abs(found.rows[0] - 71) <= 2
+    assert found.rows[-1] == 100
+    assert found.size == pytest.approx(0.36, abs=0.03)
+    # A plateau that dips and climbs again, a relaxation and a softer second cycle are none.
+    assert look(1.0 + 0.6 * way, way + 0.2 * np.sin(3.0 * np.pi * way)) == []
+    assert "failing" not in kinds(look(*held(0)))
+    again = np.concatenate([way, way[::-1], way])
+    softer = again * np.repeat([1.0, 0.8, 0.7], 101)
+    assert "failing" not in kinds(look(1.0 + again * np.repeat([1.0, 1.0, 1.001], 101), softer))
