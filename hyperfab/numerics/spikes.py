@@ -15,8 +15,8 @@ _TOGETHER, _MANY = 3, 0.02
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
     """Return the rows at a held stretch that stand outside both sides of their neighbours by ``least``.
 
-    A knock, a glitch of the load cell: what relaxes stays between them. One of two such rows shows once the other is
-    gone. Where there are many, the curve is noisy and none is told.
+    A knock, a glitch of the load cell: what relaxes stays between them, at two and three rows from it, so that two such
+    rows do not hide each other; of three one shows first. Where there are many, the curve is noisy and none is told.
 
     >>> relaxing = 1.0 + np.exp(-np.arange(40.0) / 10.0)
     >>> relaxing[[20, 21]] = -0.5, 0.3
@@ -25,11 +25,11 @@ def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
     """
     kept, found = np.arange(len(stress)), []
     for _ in range(_TOGETHER):
-        if len(kept) < 5:
+        if len(kept) < 7:
             break
-        near, at = sliding_window_view(stress[kept], 5)[:, [0, 1, 3, 4]], stress[kept][2:-2]
-        held = np.ptp(sliding_window_view(way[kept], 5), axis=1) <= SMALL_STEP * float(np.ptp(way))
-        out = 2 + np.flatnonzero(held & ((at < near.min(axis=1) - least) | (at > near.max(axis=1) + least)))
+        near, at = sliding_window_view(stress[kept], 7)[:, [0, 1, 5, 6]], stress[kept][3:-3]
+        held = np.ptp(sliding_window_view(way[kept], 7), axis=1) <= SMALL_STEP * float(np.ptp(way))
+        out = 3 + np.flatnonzero(held & ((at < near.min(axis=1) - least) | (at > near.max(axis=1) + least)))
         if not out.size:
             break
         found += kept[out].tolist()

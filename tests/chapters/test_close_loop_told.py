@@ -298,6 +298,32 @@ def test_rows_of_thermocouples_that_are_no_reading_are_counted(tmp_path: Path, m
     assert read.left_out == {"blank row": 1, "closing row, no reading": 1}
 
 
+@pytest.mark.parametrize(("rows", "off"), [((30,), 8.0), ((30, 31), -15.0)])
+def test_a_thermocouple_that_jumps_for_a_row_or_two_is_told_and_left_out(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    rows: tuple[int, ...],
+    off: float,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    times = np.arange(80.0)
+    noise = 0.2 * np.random.default_rng(0).standard_normal(80)
+    warm = 25.0 + 55.0 * (1.0 - np.exp(-times / 25.0)) + noise
+    # Beside it a plate on a thermostat, which goes up and down as it should.
+    plate = 60.0 + 3.0 * np.sin(times / 3.0) + noise
+    jumped = warm.copy()
+    jumped[list(rows)] += off
+    body = "".join(f"{t:g},{a:.3f},{b:.3f}\n" for t, a, b in zip(times, jumped, plate, strict=True))
+    (tmp_path / "t.csv").write_text(f"time [s],a [degC],b [degC]\n{body}")
+    read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a", "b"], PLAIN)
+    assert np.flatnonzero(~np.isfinite(read.readings[:, 0])).tolist() == list(rows)
+    assert np.all(np.isfinite(read.readings[:, 1]))
+    assert read.glitches == {"a": len(rows)}
+    assert read.missing == {}
+    assert "t.csv, line 32: a reads" in capsys.readouterr().err
+
+
 def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_message_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,6 +22,8 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
+from hyperfab.numerics.doubt import FAR, SMALL_LEAP, scatter
+from hyperfab.numerics.spikes import off_in_hold
 
 
 class Reading(Protocol):
@@ -248,7 +250,7 @@ class Thermocouples:
     """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
 
     ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts rows that are no
-    reading.
+    reading, ``glitches`` by name the readings that stood off their neighbours and are nan.
     """
 
     times: Array
@@ -256,12 +258,14 @@ class Thermocouples:
     names: list[str]
     power: Array | None = None
     left_out: Mapping[str, int] = field(default_factory=dict)
+    glitches: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def missing(self) -> dict[str, int]:
-        """How many readings each probe lacks, by name, of those that lack any."""
+        """How many readings each probe lacks in the file, by name, of those that lack any."""
         counts = (~np.isfinite(self.readings)).sum(axis=0)
-        return {name: int(count) for name, count in zip(self.names, counts, strict=True) if count}
+        lacks = {name: int(count) - self.glitches.get(name, 0) for name, count in zip(self.names, counts, strict=True)}
+        return {name: count for name, count in lacks.items() if count}
 
 
 def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout) -> Thermocouples:
@@ -300,4 +304,21 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             )
     power = table["power"] if "power" in table.columns else None
     names = [known[column.casefold()] for column in columns]
-    return Thermocouples(table["time"], readings, names, power, table.left_out)
+    glitches = {}
+    for number, probe in enumerate(names):
+        there = np.flatnonzero(np.isfinite(readings[:, number]))
+        rows = there[_off_neighbours(readings[there, number])]
+        if rows.size:
+            glitches[probe] = int(rows.size)
+            job.console.warn(
+                f"{name}, line {table.lines[rows[0]]}: {probe} reads {readings[rows[0], number]:g} degC, off its "
+                f"neighbours{f', as {rows.size - 1} more' if rows.size > 1 else ''}; left out"
+            )
+            readings[rows, number] = np.nan
+    return Thermocouples(table["time"], readings, names, power, table.left_out, glitches)
+
+
+def _off_neighbours(readings: Array) -> list[int]:
+    """Return the rows of a log (t,) that stand off both sides of their neighbours: a loose plug, a switched relay."""
+    least = max(SMALL_LEAP * float(np.ptp(readings)), 1.5 * FAR * scatter(readings))
+    return sorted(off_in_hold(np.ones_like(readings), readings, least))
