@@ -30,6 +30,8 @@ from hyperfab.io.specimen import Geometry, read_specimen
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
+#: A stress of fewer different values than this share of those of the force beside it was rounded.
+_ROUNDED = 0.25
 
 
 @dataclass(frozen=True)
@@ -122,6 +124,7 @@ def _read_sheet(
     aside = [*columns.aside, *_set_aside(columns, loadings.values())]
     if aside:
         notes.append(f"columns not used: {', '.join(aside[:12])}")
+    notes += _coarser(sheet, columns, loadings.values())
     found = []
     for (kind, direction, specimen), rows in groups.items():
         loading = loadings[kind]
@@ -216,6 +219,22 @@ def _set_aside(columns: Roles, loadings: Iterable[Loading]) -> list[str]:
     rows = ("time", "temperature", "chamber", "rate", "cycle", "branch", "direction", "specimen", "test")
     return [
         one.heading.title for name, one in columns.columns.items() if one.heading.index not in used and name not in rows
+    ]
+
+
+def _coarser(sheet: CsvSheet, columns: Roles, loadings: Iterable[Loading]) -> list[str]:
+    """Tell a stress that the machine rounded to a few values, where the force beside it is as it was read."""
+    stress = next((one for loading in loadings for one in loading.used if one.name in STRESSES[:-1]), None)
+    force = columns.columns.get("force")
+    if stress is None or force is None:
+        return []
+    few, many = (len(set(sheet.columns[one.heading.index])) for one in (stress, force))
+    if few >= _ROUNDED * many:
+        return []
+    title = stress.heading.title
+    return [
+        f"{title} has {few} different values, {force.heading.title} {many}: {sheet.option([(title, 'aside')])} takes "
+        "the force, over the sizes of the specimen"
     ]
 
 

@@ -191,3 +191,18 @@ def test_a_crosshead_that_tells_where_it_stands_is_counted_from_its_first_row(ti
     held = head + "".join(f"{40 + 1e-4 * (k % 2)},{2.0 / (1 + k)}\n" for k in range(9))
     [found] = read_tests(held.encode(), "hold.txt")
     assert found.stretch[0] == pytest.approx(2.6)
+
+
+def test_a_stress_that_was_rounded_is_told_beside_the_force_it_was_made_of() -> None:
+    head = "# test: uniaxial\n# gauge length: 10 mm\n# diameter: 20 mm\nLoad (N),Stress (kPa),Position (mm)\n"
+    forces = [0.017 * k for k in range(60)]
+
+    def notes(digits: int) -> list[str]:
+        rows = "".join(f"{f:.3f},{f / 0.314:.{digits}f},{0.1 * k:.1f}\n" for k, f in enumerate(forces))
+        [found] = read_tests(f"{head}{rows}".encode(), "gel.csv")
+        return [one for one in found.notes if "different values" in one]
+
+    [told] = notes(0)
+    assert "Stress (kPa) has 4 different values, Load (N) 60" in told
+    assert '--columns "Stress (kPa)=aside"' in told
+    assert notes(2) == []
