@@ -169,7 +169,7 @@ class HeatProblem(Problem):
             joint=pick["joint"] * self.joints / (1.0 + added * pick["joint"] * self.joints),
             opened=opened,
             start_K=starts,
-            ambient_K=own[:, self.kinds.index("ambient")],
+            ambient_K=own[:, [self.kinds.index("ambient")]],
             effects=moved,
         )
         return settings, lags

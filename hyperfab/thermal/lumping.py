@@ -12,6 +12,8 @@ from hyperfab.thermal.facet_operator import FacetOperator
 
 #: Points that stand for a face in what is not linear there.
 POINTS = 1000
+#: Directions in which means scatter by less than this part of the most are left as they are [squared].
+_FLAT = 1e-12
 
 
 class Alike:
@@ -33,22 +35,34 @@ class Alike:
 
 
 def lumped(rows: Array, weights: Array, count: int) -> tuple[Array, Array]:
-    """Return at most ``count`` mean rows (k, r) and weights (k,) of points with ``rows`` (q, r), ``weights`` (q,).
+    """Return at most ``count`` rows (k, r) and weights (k,) for points with ``rows`` (q, r), ``weights`` (q,).
 
-    The group that scatters most is halved by weight along its main axis, again and again.
+    Groups of neighbours count as one each. Their means scatter less than the points do; they are drawn apart until
+    they scatter alike, so that what is of second degree in the rows sums up to the same.
 
     >>> rows, weights = lumped(np.array([[0.0], [0.1], [5.0], [5.2]]), np.ones(4), 2)
-    >>> rows.ravel().round(2).tolist(), weights.tolist()
-    ([0.05, 5.1], [2.0, 2.0])
+    >>> rows.ravel().round(3).tolist(), weights.tolist()
+    ([0.049, 5.101], [2.0, 2.0])
     """
     found = groups(rows, weights, count)
     total = np.array([weights[group].sum() for group in found])
     means = np.stack([weights[group] @ rows[group] / weights[group].sum() for group in found])
-    return means, total
+    mean = weights @ rows / weights.sum()
+    away, few = rows - mean, means - mean
+    values, axes = np.linalg.eigh(few.T @ (total[:, None] * few))
+    kept = values > _FLAT * values[-1]
+    root, back = axes[:, kept] * np.sqrt(values[kept]), axes[:, kept] / np.sqrt(values[kept])
+    # The one symmetric matrix that makes the scatter of the means that of the points: it moves them least.
+    seen = np.sqrt(weights)[:, None] * (away @ root)
+    values, axes = np.linalg.eigh(seen.T @ seen)
+    drawn = back @ ((axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T) @ back.T
+    return mean + few @ drawn, total
 
 
 def groups(rows: Array, weights: Array, count: int) -> list[Ints]:
     """Return the points of at most ``count`` groups, by their numbers.
+
+    The group that scatters most is halved by weight along its main axis, again and again.
 
     >>> [group.tolist() for group in groups(np.array([[0.0], [0.1], [5.0], [5.2]]), np.ones(4), 2)]
     [[0, 1], [2, 3]]

@@ -6,11 +6,9 @@ temperature is in the span, so that the account of heat closes as it does in the
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 from scipy import linalg, sparse
@@ -86,17 +84,6 @@ class ProjectedMedium:
         """The uniform field of one kelvin (r,), in coordinates."""
         return np.asarray(np.linalg.solve(self.mass, self.weights))
 
-    def with_more(self, other: ProjectedMedium, capacity: float, conduction: float) -> ProjectedMedium:
-        """Return it with so many times the capacity and the conduction of another one added."""
-        return ProjectedMedium(
-            self.mass + capacity * other.mass,
-            self.weights + capacity * other.weights,
-            self.capacity + capacity * other.capacity,
-            self.stored + capacity * other.stored,
-            self.conduction + conduction * other.conduction,
-            self.conducted + conduction * other.conducted,
-        )
-
 
 def by_vector(basis: Array, matrix: sparse.csr_matrix, first: int) -> tuple[Array, Array]:
     """Return the sums (k,) of a matrix times the vectors of a basis (n, r) from ``first`` on, and basis.T times it."""
@@ -138,13 +125,6 @@ class ProjectedModel:
         self._speeds = np.array([[float(one @ (capacity @ other)) for other in shapes] for one in shapes]).reshape(
             len(shapes), len(shapes)
         )
-
-    def changed_to(self, medium: ProjectedMedium, conditions: Sequence[Projected]) -> Self:
-        """Return the mold with another medium and other conditions on the same basis."""
-        found = copy.copy(self)
-        found.medium, found.conditions = medium, list(conditions)
-        found.last_matrix = found._tangent = None
-        return found
 
     @property
     def mass(self) -> Array:

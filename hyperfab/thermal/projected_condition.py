@@ -6,8 +6,7 @@ in how far it is from there, is taken at a few points of its faces.
 
 from __future__ import annotations
 
-import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -19,7 +18,6 @@ from hyperfab.thermal.convection import Convection
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.tables import Table
 from hyperfab.thermal.trail import Lift
 
 
@@ -62,44 +60,6 @@ class _Joint:
         return self.contact.closed.at(time) * self.matrix
 
 
-@dataclass(frozen=True)
-class Scaled:
-    """A condition whose flow is ``by`` times as much."""
-
-    condition: Projected
-    by: float
-
-    def flow(self, time: float, coordinates: Array) -> Array:
-        """Return the heat flow into each basis vector (r,) [W]."""
-        return self.by * self.condition.flow(time, coordinates)
-
-    def tangent(self, time: float, coordinates: Array) -> Array:
-        """Return minus its derivative (r, r) [W/K]."""
-        return self.by * self.condition.tangent(time, coordinates)
-
-
-def scaled(condition: Projected, by: float) -> Projected:
-    """Return a condition whose flow is ``by`` times as much."""
-    if isinstance(condition, _Source):
-        return replace(condition, shape=by * condition.shape)
-    return Scaled(condition, by)
-
-
-@dataclass(frozen=True)
-class Together:
-    """Conditions that act at once."""
-
-    conditions: tuple[Projected, ...]
-
-    def flow(self, time: float, coordinates: Array) -> Array:
-        """Return the heat flow into each basis vector (r,) [W]."""
-        return np.asarray(sum(one.flow(time, coordinates) for one in self.conditions))
-
-    def tangent(self, time: float, coordinates: Array) -> Array:
-        """Return minus its derivative (r, r) [W/K]."""
-        return np.asarray(sum(one.tangent(time, coordinates) for one in self.conditions))
-
-
 class Face:
     """A film or a radiating face, linear about the origin but for what is seen at a few points."""
 
@@ -118,12 +78,6 @@ class Face:
         rows, origin = means @ basis, means @ origin
         self._rows, self._weighted, self._origin = rows, rows * weights[:, None], origin
         self._base = condition.lost(origin, self._at), *condition.rates(origin, self._at)
-
-    def warmer(self, by: float) -> Face:
-        """Return the face with its surroundings warmer by so much [K]."""
-        found = copy.copy(self)
-        found.condition = warmer(self.condition, by)
-        return found
 
     def flow(self, time: float, coordinates: Array) -> Array:
         """Return the heat flow into each basis vector (r,) [W]."""
@@ -144,13 +98,6 @@ class Face:
         at = self._origin + self._rows @ coordinates
         rate, _ = self.condition.rates(at, self.condition.ambient.at(time))
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
-
-
-def warmer(condition: Convection | Radiation, by: float) -> Convection | Radiation:
-    """Return a film or a radiating face with its surroundings warmer by so much [K]."""
-    found = copy.copy(condition)
-    found.ambient = Table(condition.ambient.x, condition.ambient.y + by)
-    return found
 
 
 def project(condition: Condition, lift: Lift, time: float) -> Projected | None:

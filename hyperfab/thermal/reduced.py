@@ -7,8 +7,8 @@ capacities, powers, joints and the effects below stay free: they are numbers in 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,16 @@ from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, march
+from hyperfab.thermal.reduced_steps import Course, Faces, Numbers, Parts, march
+from hyperfab.thermal.run_basis import SOLVE, beside_uniform
 from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
 
-#: Directions whose share of the capacity norm is smaller add nothing.
+#: Directions that differ by less add nothing, of fields of a kelvin.
 _DROP = 1e-7
+#: Fields that differ from a uniform one by less, as a share, are uniform.
+_UNIFORM = 1e-9
 #: Conductance of a bad joint [W/m^2/K].
 _LOOSE = 500.0
 #: Time scales of the basis, as shares of the experiment: one over these.
@@ -40,7 +43,7 @@ HOLDS = 1e6
 
 @dataclass
 class ReducedMold:
-    """Small matrices of a mold on a basis of r vectors, and its probes (p, r).
+    """Small matrices of a mold on a ``basis`` (n, r), and its probes (p, r).
 
     ``mass``, ``stiffness`` and ``means`` are of each part, ``materials`` says which material a part is of;
     ``changes`` (2, parts, k, 2) are temperatures and the factors of specific heat and of conductivity there.
@@ -59,6 +62,7 @@ class ReducedMold:
     heaters: Sequence[tuple[Array, Table]]
     joints: Sequence[tuple[Array, Table]]
     opened: Sequence[Patch]
+    basis: Array
     probes: Array
     parts: Array
     mean: Array
@@ -67,17 +71,38 @@ class ReducedMold:
     reference_degC: float
     corners: Sequence[float] = field(default_factory=tuple)
     conductances: Sequence[float] = ()
+    absent: int = 0
+
+    def plain(self, count: int = 1) -> Settings:
+        """Return the settings of so many runs in which all is as the document says."""
+
+        def each(values: Array) -> Array:
+            return np.repeat(values[None, :], count, axis=0)
+
+        present = np.arange(len(self.films)) < len(self.films) - self.absent
+        return Settings(
+            film=each(present.astype(float)),
+            conductivity=each(np.ones(self.kinds)),
+            capacity=each(np.ones(self.kinds)),
+            power=each(np.ones(len(self.heaters))),
+            joint=each(np.array(self.conductances)),
+            opened=each(np.zeros(len(self.opened))),
+            start_K=each(np.zeros(len(self.warmer))),
+            ambient_K=each(np.zeros(len(self.faces))),
+        )
 
     def run(self, times: Array, settings: Settings, steps: int = 100) -> Array:
         """Return the probes' temperatures (b, times, p) [degC] at ``times`` [s], the first the start.
 
-        Alexander's SDIRK2 on about ``steps`` steps that meet every corner of the powers, and short ones where a power
-        begins or jumps; between their ends the curve is the parabola through both values with the slope at the end.
+        On about ``steps`` steps that meet every corner of the powers, and short ones where a power begins or jumps.
         """
         grid = self.grid(float(times[0]), float(times[-1]), steps)
+        return np.array([course.at(times) @ self.probes.T for course in self.courses(grid, settings)])
+
+    def courses(self, grid: Array, settings: Settings) -> Iterator[Course]:
+        """Yield each run by Alexander's SDIRK2 on the steps of ``grid`` [s]."""
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
-        under = Film(self.bench.rows, self.bench.weights, Table.constant(0.0), self.surroundings)
-        faces = [*self.films, *self.radiators, *self.held, under]
+        faces = self.faces
         holds = np.array([*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False])
         rows = np.ascontiguousarray(np.concatenate([face.rows for face in faces]))
         weights = np.concatenate([face.weights for face in faces])
@@ -93,9 +118,8 @@ class ReducedMold:
             for each in (self.heaters, self.joints)
         )
         emits = np.array([face.emissivity for face in faces])
-        found = np.empty((len(settings.film), len(times), len(self.probes)))
         count, below = len(self.films), owner == len(faces) - 1
-        for i in range(len(found)):
+        for i in range(len(settings.film)):
             joined = np.zeros_like(self.mass[0])
             slopes = settings.of(i, "joint_from_middle", "joint_along_x", "joint_along_y")
             for resistance, opened in zip(settings.opened[i], self.opened, strict=True):
@@ -127,7 +151,7 @@ class ReducedMold:
                 np.concatenate([settings.film[i], np.zeros(len(faces) - count)]),
                 extra,
                 grey,
-                air + np.where(holds, 0.0, drift[:, :, None]),
+                air + np.where(holds, 0.0, drift),
                 knots,
                 values,
                 first,
@@ -141,8 +165,17 @@ class ReducedMold:
                 powers * settings.power[i],
                 numbers._replace(reference=self.reference_degC),
             )
-            found[i] = self._read(times, grid, states, rates)
-        return found
+            yield Course(grid, states, rates)
+
+    @property
+    def faces(self) -> list[Film]:
+        """All faces: those with a film, those that radiate, those that are held, and the one on the bench."""
+        under = Film(self.bench.rows, self.bench.weights, Table.constant(0.0), self.surroundings)
+        return [*self.films, *self.radiators, *self.held, under]
+
+    def stored(self, coordinates: Array) -> Array:
+        """Return the heat in each part (parts,) [J], counted from 0 degC, of materials that do not change."""
+        return np.asarray(self.mass[:, 0] @ coordinates / self.basis[0, 0])  # the first of the basis is uniform
 
     @property
     def kinds(self) -> int:
@@ -151,17 +184,8 @@ class ReducedMold:
 
     def grid(self, begin: float, end: float, steps: int = 100) -> Array:
         """Return the times [s] that a run steps at."""
-        faces = [*self.films, *self.radiators, *self.held]
-        signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in faces]
+        signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in self.faces[:-1]]
         return graded(begin, end, self.corners, signals, steps)
-
-    def _read(self, times: Array, grid: Array, states: Array, slopes: Array) -> Array:
-        step = np.clip(np.searchsorted(grid, times, side="left") - 1, 0, len(grid) - 2)
-        length = (grid[step + 1] - grid[step])[:, None]
-        back = ((times - grid[step + 1]) / length[:, 0])[:, None]
-        end, slope = states[step + 1], slopes[step + 1] * length
-        bend = states[step] - end + slope
-        return np.asarray((end + slope * back + bend * back**2) @ self.probes.T)
 
 
 def reduce(
@@ -175,20 +199,38 @@ def reduce(
     groups: Sequence[Sequence[int]] = (),
     held: Sequence[Convection] = (),
     scales: Sequence[float] = SCALES,
+    absent: Sequence[Convection] = (),
+    states: Sequence[Array] = (),
 ) -> ReducedMold:
     """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
 
     ``probes`` (p, n), ``start`` (n,) [degC], ``duration`` [s] of the experiment, ``bench`` the faces without a film;
     ``groups`` of parts begin at temperatures of their own, all other parts at another;
     ``held`` are the conditions that stand for faces at a given temperature; one over ``scales`` are the
-    time scales of the basis, as shares of the duration.
+    time scales of the basis, as shares of the duration. Films that are ``absent`` but where settings scale them come
+    after the others; ``states`` (n,) are temperatures that the basis is to hold,
+    and the answers to what leaves and what flows at the last of them.
     """
     films = [c for c in model.conditions if isinstance(c, Convection) and c not in held]
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
     joints = [c for c in model.conditions if isinstance(c, Contact) and c not in opened]
-    basis = _basis(model, start, duration, [*films, *radiators, *held], [*joints, *opened], bench, scales)
-    mass, stiffness, means = _by_part(model, basis)
+    media, within, began = _by_part(model), _indicators(model), _groups(model, groups)
     names = list(dict.fromkeys(material.name for material in model.materials))
+    materials = np.array([names.index(material.name) for material in model.materials])
+    across = [c.shape for c in model.conditions if isinstance(c, Heater)]
+    across += [joint.near.load(1.0) - joint.far.load(1.0) for joint in (*joints, *opened)]
+    cooled: list[Convection | Radiation] = [*films, *radiators]
+    loads = [*across, *(face.facets.load(1.0) for face in (*cooled, *held))]
+    if bench is not None:
+        loads.append(bench.load(1.0))
+    for last in states[-1:]:
+        loads += [one.flow(duration, last) for one in (*cooled, *absent)]
+        loads += [one.flow(duration, last) for one in joints]
+        flows = np.array([model.pattern.matrix(one.conduction(last)) @ (last - last.mean()) for one in media])
+        loads += [flows[materials == kind].sum(axis=0) for kind in range(len(names))]
+    vectors = [start, *states, *within, *began]
+    basis = _basis(model, vectors, loads, across if joints or opened else [], [duration / share for share in scales])
+    mass, stiffness, means = _on_basis(model, media, basis)
 
     def apart(joint: Contact) -> Array:
         return joint.near.at_points_of(basis) - joint.far.at_points_of(basis)
@@ -200,20 +242,17 @@ def reduce(
     def points(facets: FacetOperator) -> Array:
         return facets.at_points_of(model.mesh.points)
 
-    weight = model.pattern.matrix(model.medium.capacity(start)) @ np.ones(model.size)
-    coefficients: Array = np.asarray(np.linalg.lstsq(basis, start, rcond=None)[0], dtype=np.float64)
-    began = _groups(model, groups)
-    warmer: Array = np.asarray(np.linalg.lstsq(basis, began.T, rcond=None)[0].T, dtype=np.float64)
+    weights = model.pattern.matrix(model.medium.capacity(start)) @ basis  # of vectors that are orthonormal with it
+    whole = weights.sum(axis=0)
     empty = Patch(np.zeros((0, basis.shape[1])), np.zeros(0), np.zeros((0, 3)))
-    cooled: list[Convection | Radiation] = [*films, *radiators]
     ambient = cooled[0].ambient if cooled else Table.constant(float(np.mean(start)))
     return ReducedMold(
         mass=mass,
         stiffness=stiffness,
         means=means,
-        materials=np.array([names.index(material.name) for material in model.materials]),
+        materials=materials,
         changes=_changes(model),
-        films=[_face(c.facets, basis, c.film, c.ambient) for c in films],
+        films=[_face(c.facets, basis, c.film, c.ambient) for c in (*films, *absent)],
         radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
         held=[_face(c.facets, basis, Table.constant(0.0), c.ambient) for c in held],
         bench=empty if bench is None else patch(bench.at_points_of(basis), bench.weights.ravel(), points(bench)),
@@ -221,34 +260,31 @@ def reduce(
         heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
         joints=[(jump(c), c.closed) for c in joints],
         opened=[patch(apart(c), c.near.weights.ravel(), points(c.near)) for c in opened],
+        basis=basis,
         probes=probes @ basis,
-        parts=_part_means(model, basis),
-        mean=weight @ basis / weight.sum(),
-        start=coefficients,
-        warmer=warmer,
+        parts=np.stack([one @ basis / one.sum() for one in within]),
+        mean=whole / (whole @ whole),
+        start=start @ weights,
+        warmer=began @ weights,
         reference_degC=float(np.mean(start)),
         corners=tuple(corners),
         conductances=tuple(c.conductance for c in joints),
+        absent=len(absent),
     )
 
 
 def _groups(model: HeatModel, groups: Sequence[Sequence[int]]) -> Array:
-    """Return which nodes belong to the parts of no group, and to those of each (1 + groups, n); a node counts once."""
-    found = np.zeros((1 + len(groups), model.size))
-    found[0] = 1.0
-    for number, parts in enumerate(groups, start=1):
-        nodes = np.unique(model.mesh.elements[np.isin(model.mesh.parts, parts)])
-        found[:, nodes] = 0.0
-        found[number, nodes] = 1.0
-    return found
+    """Return by how much the start of each node follows that of the parts of no group, and of each (1 + groups, n)."""
+    parts = np.arange(len(model.materials))
+    own = [model.medium.joined(np.tile(np.isin(parts, group) * 1.0, (model.size, 1))) for group in groups]
+    return np.array([1.0 - np.sum(own, axis=0, initial=0.0) + np.zeros(model.size), *own])
 
 
-def _part_means(model: HeatModel, basis: Array) -> Array:
-    rows = []
-    for part in range(len(model.materials)):
-        nodes = np.unique(model.mesh.elements[model.mesh.parts == part])
-        rows.append(basis[nodes].mean(axis=0))
-    return np.stack(rows)
+def _indicators(model: HeatModel) -> list[Array]:
+    """Return which nodes belong to each part (n,)."""
+    mesh = model.mesh
+    nodes = (mesh.elements[mesh.parts == part].ravel() for part in range(len(model.materials)))
+    return [(np.bincount(one, minlength=model.size) > 0).astype(float) for one in nodes]
 
 
 def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emissivity: float = 0.0) -> Film:
@@ -260,21 +296,27 @@ def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emis
     return Film(rows, weights, film, ambient, emissivity)
 
 
-def _by_part(model: HeatModel, basis: Array) -> tuple[Array, Array, Array]:
+def _by_part(model: HeatModel) -> list[Medium]:
+    """Return the medium of each part alone, as it is at 50 degC."""
+    media = []
+    for part, material in enumerate(model.materials):
+        mine = model.mesh.parts == part
+        mesh = replace(model.mesh, elements=model.mesh.elements[mine], parts=model.mesh.parts[mine])
+        constant = ThermalMaterial(
+            material.name,
+            material.density,
+            Table.constant(material.conductivity.at(50.0)),
+            Table.constant(material.specific_heat.at(50.0)),
+        )
+        media.append(Medium(mesh, [constant] * len(model.materials), model.pattern, np.zeros(0)))
+    return media
+
+
+def _on_basis(model: HeatModel, media: Sequence[Medium], basis: Array) -> tuple[Array, Array, Array]:
     """Return capacity and conduction matrices of each part on the basis, and its mean of each basis vector."""
+    zero = np.zeros(model.size)
     mass, stiffness, means = [], [], []
-    nothing, zero = Table.constant(0.0), np.zeros(model.size)
-    for part in range(len(model.materials)):
-        chosen = [
-            ThermalMaterial(
-                material.name,
-                material.density,
-                Table.constant(material.conductivity.at(50.0)) if number == part else nothing,
-                Table.constant(material.specific_heat.at(50.0)) if number == part else nothing,
-            )
-            for number, material in enumerate(model.materials)
-        ]
-        medium = Medium(model.mesh, chosen, model.pattern, model.loose)
+    for medium in media:
         capacity = model.pattern.matrix(medium.capacity(zero))
         mass.append(basis.T @ (capacity @ basis))
         stiffness.append(basis.T @ (model.pattern.matrix(medium.conduction(zero)) @ basis))
@@ -303,40 +345,27 @@ def _changes(model: HeatModel) -> Array:
 
 def _basis(
     model: HeatModel,
-    start: Array,
-    duration: float,
-    faces: Sequence[Convection | Radiation],
-    joints: Sequence[Contact],
-    bench: FacetOperator | None,
+    vectors: Sequence[Array],
+    loads: Sequence[Array],
+    across: Sequence[Array],
     scales: Sequence[float],
 ) -> Array:
-    across = [c.shape for c in model.conditions if isinstance(c, Heater)]
-    across += [joint.near.load(1.0) - joint.far.load(1.0) for joint in joints]
-    loads = [*across, *(face.facets.load(1.0) for face in faces)]
-    if bench is not None:
-        loads.append(bench.load(1.0))
-    parts = [
-        (np.bincount(model.mesh.elements[model.mesh.parts == part].ravel(), minlength=model.size) > 0).astype(float)
-        for part in range(len(model.materials))
-    ]
-    found = [np.ones(model.size), start, *parts]
+    """Return what spans the vectors and the answers to ``loads`` [W] within the time scales [s], orthonormal in the
+    heat capacity, the first uniform; to those ``across`` joints too where these conduct badly.
+    """
+    found, start = list(vectors), vectors[0]
     capacity = model.pattern.matrix(model.medium.capacity(start))
-    loose = [(_loosened(model), across)] if joints else []
+    loose = [(_loosened(model), across)] if across else []
     for one, driven in [(model, loads), *loose]:
-        for share in scales:
-            scale = duration / share
+        for scale in scales:
             matrix = one.step_matrix(0.0, scale, start)
-            found += [one.solve(matrix, scale * load, 1e-8) for load in driven]
-    kept: list[Array] = []
+            found += [one.solve(matrix, load, SOLVE) for load in driven]
+    uniform = np.full(model.size, 1.0 / np.sqrt(float(capacity.sum())))
+    held = capacity @ uniform
+    columns = []
     for vector in found:
-        size = np.sqrt(float(vector @ (capacity @ vector)))
-        if size == 0.0:
-            continue
-        rest = vector / size
-        for _ in range(2):
-            for other in kept:
-                rest = rest - other * float(other @ (capacity @ rest))
-        left = np.sqrt(max(float(rest @ (capacity @ rest)), 0.0))
-        if left > _DROP:
-            kept.append(rest / left)
-    return np.stack(kept, axis=1)
+        rest = vector - float(held @ vector) * uniform
+        size = model.capacity_norm(rest)
+        if size > _UNIFORM * model.capacity_norm(vector):
+            columns.append(rest / size)
+    return np.column_stack([uniform, beside_uniform(columns, capacity, _DROP, model.size)])

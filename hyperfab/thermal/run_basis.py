@@ -50,7 +50,6 @@ def lift_of(
     """
     origin = state.temperature
     capacity = model.pattern.matrix(model.medium.capacity(origin))
-    total = float(capacity.sum())
     first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
     columns, lengths, seen = [], [], []
     for i in range(first, len(history.states)):
@@ -75,16 +74,24 @@ def lift_of(
         answers = [model.solve(matrix, scale * load, SOLVE) for load in (*loads, *slow)]
         # A kelvin each: what a heater does in all that is left is no better a direction than what it does in a step.
         columns += [one / model.capacity_norm(one) for one in answers]
-    basis = np.empty((len(origin), len(columns)), order="F")
+    uniform = np.full((len(origin), 1), 1.0 / np.sqrt(float(capacity.sum())))
+    alike = Alike([origin, *examples(seen)])
+    return Lift.with_room(origin, uniform, most, alike).wider(origin, beside_uniform(columns, capacity, DROP, most - 1))
+
+
+def beside_uniform(columns: list[Array], capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:
+    """Return at most so many vectors that span ``columns`` together with the uniform one, as ``orthonormal`` does.
+
+    The list of columns is emptied.
+    """
+    basis = np.empty((capacity.shape[0], len(columns)), order="F")
     for number in range(len(columns) - 1, -1, -1):  # each as large as a state: let go of one by one
         basis[:, number] = columns.pop()
-    uniform = np.full(len(origin), 1.0 / np.sqrt(total))
-    held = capacity @ uniform
-    for threshold in (DROP, 0.0):  # once more, against rounding
-        basis -= uniform[0] * (held @ basis)
-        basis = orthonormal(basis, capacity, threshold, most - 1)
-    alike = Alike([origin, *examples(seen)])
-    return Lift.with_room(origin, uniform[:, None], most, alike).wider(origin, basis)
+    weights = np.asarray(capacity.sum(axis=0)).ravel() / float(capacity.sum())
+    for least in (threshold, 0.0):  # once more, against rounding
+        basis -= weights @ basis
+        basis = orthonormal(basis, capacity, least, most)
+    return basis
 
 
 def orthonormal(vectors: Array, capacity: sparse.csr_matrix, threshold: float, most: int) -> Array:

@@ -79,8 +79,8 @@ class Settings:
 
     ``film``, ``conductivity``, ``capacity``, ``power`` scale what the document says; ``joint`` is the
     conductance of each joint [W/m^2/K], ``opened`` the resistance of each joint between parts that conduct perfectly
-    in the document [m^2 K/W]; ``start_K`` (b, groups of parts) and ``ambient_K`` (b,) [K] are added to the start and
-    to the ambient.
+    in the document [m^2 K/W]; ``start_K`` (b, groups of parts) and ``ambient_K`` (b, faces), or (b, 1) for all of them,
+    [K] are added to the start and to the ambient.
 
     ``effects`` (b,) are absent at 0:
 
@@ -111,6 +111,7 @@ class Settings:
         return np.array([float(self.effects[name][run]) if name in self.effects else 0.0 for name in names])
 
     def air_K(self, run: int, times: Array) -> Array:
-        """Return by how much the ambient is off at ``times`` [s]."""
+        """Return by how much the ambient of each face is off at ``times`` [s]: one more axis."""
         slope, bend, twist = self.of(run, "ambient_per_s", "ambient_per_s2", "ambient_per_s3")
-        return np.asarray(self.ambient_K[run] + ((twist * times + bend) * times + slope) * times)
+        drift = ((twist * times + bend) * times + slope) * times
+        return np.asarray(drift[..., None] + self.ambient_K[run])

@@ -52,7 +52,7 @@ def test_variations_that_make_no_sense_are_refused(tmp_path, table, mold, words)
         heat(tmp_path, mold, variations=str(tmp_path / "factors.csv"))
 
 
-def test_points_of_a_face_keep_their_area_and_their_mean():
+def test_points_of_a_face_keep_their_area_their_mean_and_what_is_of_second_degree():
     from hyperfab.thermal.lumping import lumped
 
     generator = np.random.default_rng(3)
@@ -61,6 +61,7 @@ def test_points_of_a_face_keep_their_area_and_their_mean():
     assert len(total) == 40
     assert total.sum() == pytest.approx(weights.sum())
     np.testing.assert_allclose(total @ few, weights @ rows)
+    np.testing.assert_allclose(few.T @ (total[:, None] * few), rows.T @ (weights[:, None] * rows), atol=1e-9)
 
 
 @pytest.mark.slow

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,8 +15,9 @@ from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.reduced import reduce
+from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.sensors import lagging
-from hyperfab.thermal.settings import Settings, patch
+from hyperfab.thermal.settings import patch
 from hyperfab.thermal.tables import Table
 
 from .conftest import block_mesh
@@ -22,21 +25,8 @@ from .conftest import block_mesh
 
 def plain(mold, **changed):
     """Settings of one run in which nothing is changed but what is given; ``effects`` by name."""
-    given = {
-        "film": np.ones((1, len(mold.films))),
-        "conductivity": np.ones((1, mold.kinds)),
-        "capacity": np.ones((1, mold.kinds)),
-        "power": np.ones((1, len(mold.heaters))),
-        "joint": np.array([mold.conductances]).reshape(1, -1),
-        "opened": np.zeros((1, len(mold.opened))),
-        "start_K": np.zeros((1, len(mold.warmer))),
-        "ambient_K": np.zeros(1),
-    }
-    effects = {name: np.array([changed.pop(name)]) for name in list(changed) if name not in given}
-    given |= {
-        name: np.array([value]) if name != "ambient_K" else np.atleast_1d(value) for name, value in changed.items()
-    }
-    return Settings(**given, effects=effects)
+    given = {name: np.array([changed.pop(name)]) for name in list(changed) if hasattr(mold.plain(), name)}
+    return replace(mold.plain(), **given, effects={name: np.array([value]) for name, value in changed.items()})
 
 
 def probes_at(block, *places):
@@ -123,7 +113,7 @@ def test_thin_plate_that_radiates(block):
     times = np.array([0.0, 1229.65245872])
     assert mold.run(times, plain(mold, emissivity=0.8), 200)[0, -1, 0] == pytest.approx(100.0, abs=0.01)
     # An ambient of 5 K more, and surroundings of 5 K less than that, are the same sky.
-    other = plain(mold, emissivity=0.8, ambient_K=5.0, surroundings_K=-5.0)
+    other = plain(mold, emissivity=0.8, ambient_K=[5.0], surroundings_K=-5.0)
     assert mold.run(times, other, 200)[0, -1, 0] == pytest.approx(100.0, abs=0.01)
 
 
@@ -199,6 +189,43 @@ def test_a_patch_knows_its_middle_and_its_axes():
     uneven = found.uneven(np.array([0.0, 0.5, 0.0]))
     assert uneven == pytest.approx(np.maximum(1.0 + 0.5 * found.places[:, 1], 0.05), rel=1e-12)
     assert found.weights @ uneven / 4.0 == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_run_says_when_it_comes_to_a_value():
+    """Between its steps it is a parabola: of a parabola the time is exact, of any bend, and after a peak too."""
+    grid = np.array([0.0, 1.0, 4.0])
+    for curve, slope in (
+        (lambda t: 3.0 * t - 0.2 * t**2, lambda t: 3.0 - 0.4 * t),
+        (lambda t: 0.5 * t + 0.3 * t**2, lambda t: 0.5 + 0.6 * t),
+        (lambda t: 2.0 * t, lambda t: 2.0 + 0.0 * t),
+    ):
+        course = Course(grid, curve(grid)[:, None], slope(grid)[:, None])
+        for time in (0.25, 1.0, 2.5, 4.0):
+            assert course.when(np.array([2.0]), 2.0 * curve(time)) == pytest.approx(time, rel=1e-12)
+        assert course.at(np.array([0.5, 3.0]))[:, 0] == pytest.approx(curve(np.array([0.5, 3.0])), rel=1e-12)
+        assert course.when(np.ones(1), 1.01 * curve(4.0)) is None
+        assert course.when(np.ones(1), -1.0) == 0.0
+
+
+def test_parts_hold_their_heat(block):
+    """``m c T``, and a slab that a film cools loses what it stores."""
+    slab = block((0.1, 0.1, 0.1), (4, 1, 1), rho=2000.0, cp=500.0).film("x+", 100.0)
+    mold = reduced(slab, [(0, 0, 0)], 7.0, 600.0)
+    assert mold.stored(mold.start) == pytest.approx([2000.0 * 500.0 * 1e-3 * 7.0], rel=1e-9)
+
+
+def test_a_film_that_is_absent_comes_with_its_factor(block):
+    """Biot number 0.1, and a film of 0.9 more beside it, is that of 1; its surroundings can be another's."""
+    slab = block((1.0, 0.1, 0.1), (24, 1, 1)).film("x+", 0.1)
+    model, times = slab.model(), np.array([0.0, 1.0])
+    more = Convection("more", model.conditions[0].facets, Table.constant(0.9), Table.constant(0.0))
+    probes, start = probes_at(slab, (0, 0, 0), (1, 0, 0)), np.ones(model.size)
+    mold = reduce(model, probes, start, 1.0, None, scales=SCALES, absent=[more])
+    assert mold.run(times, mold.plain(), 200)[0, -1] == pytest.approx(SLAB[0][2:], abs=2e-4)
+    assert mold.run(times, plain(mold, film=[1.0, 1.0]), 200)[0, -1] == pytest.approx(SLAB[1][2:], abs=2e-3)
+    # Both together are one film to surroundings at the mean of theirs by their coefficients.
+    warm = mold.run(times, plain(mold, film=[1.0, 1.0], ambient_K=[0.0, 2.0, 0.0]), 200)[0, -1]
+    assert warm == pytest.approx(1.8 - 0.8 * np.array(SLAB[1][2:]), abs=2e-3)
 
 
 def test_a_sensor_that_lags_shows_a_ramp_late_and_a_step_slowly():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import describe
 from hyperfab.documents.heat import (
@@ -175,10 +176,16 @@ def _status(converged: bool, imbalance: float, document: MoldDocument, result: H
 def probes_of(problem: Problem, history: History) -> dict[str, ProbeResult]:
     """Return what each probe reads at the end and at most."""
     times = curve_times(history)
+    curves = [curve(history, sensor, times) for sensor in problem.probes.values()]
+    return shown(problem, times, np.array(curves).reshape(len(curves), len(times)).T)
+
+
+def shown(problem: Problem, times: Array, values: Array) -> dict[str, ProbeResult]:
+    """Return what each probe reads at the end and at most, of what it feels at ``times`` (t,): ``values`` (t, p)."""
     found = {}
-    for name, sensor in problem.probes.items():
-        values = as_shown(times, curve(history, sensor, times), problem.lags[name])
-        found[name] = ProbeResult(final_degC=float(values[-1]), max_degC=float(values.max()))
+    for (name, lags), felt in zip(problem.lags.items(), values.T, strict=True):
+        read = as_shown(times, felt, lags)
+        found[name] = ProbeResult(final_degC=float(read[-1]), max_degC=float(read.max()))
     return found
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
+from hyperfab.chapters.mold_heat.result import shown
 from hyperfab.documents.heat import Variation, Variations
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.documents.quantity import TableFile
@@ -18,17 +18,17 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.thermal.history import History
 from hyperfab.thermal.reduced import ReducedMold, reduce
-from hyperfab.thermal.sensors import as_shown
+from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.settings import Settings
+from hyperfab.thermal.surface import evenness
+from hyperfab.thermal.trail import examples
 
 #: Columns of the table, each a factor on what the document says.
 FACTORS = ("film", "power", "conductivity", "specific heat")
 #: Where the run ends at its target, variations are followed this many times as long.
 LONGER = 3.0
-#: Points of each curve, steps of each run, and nodes of the work surface that are watched.
-POINTS, STEPS, NODES = 600, 400, 60
-#: Time scales of the basis: more than a fit needs, the surface is to be right soon after the start too.
-SCALES = (1000.0, 300.0, 100.0, 30.0, 10.0, 3.0)
+#: Points of each curve, and steps of each run.
+POINTS, STEPS = 600, 400
 #: The full run that the reduced mold is checked against errs by this share of the tolerance.
 SHARPER = 0.1
 
@@ -46,20 +46,17 @@ class Asked:
 
     def settings(self, mold: ReducedMold) -> Settings:
         """Return them as numbers of a reduced mold."""
-        zero, one = np.zeros(self.count), np.ones(self.count)
+        plain = mold.plain(self.count)
 
-        def each(name: str, columns: int) -> Array:
-            return np.repeat(self.factors.get(name, one)[:, None], columns, axis=1)
+        def scaled(values: Array, name: str) -> Array:
+            return values * self.factors.get(name, np.ones(self.count))[:, None]
 
-        return Settings(
-            film=each("film", len(mold.films)),
-            conductivity=each("conductivity", mold.kinds),
-            capacity=each("specific heat", mold.kinds),
-            power=each("power", len(mold.heaters)),
-            joint=np.zeros((self.count, len(mold.joints))) + np.array(mold.conductances),
-            opened=np.zeros((self.count, 0)),
-            start_K=np.zeros((self.count, len(mold.warmer))),
-            ambient_K=zero,
+        return replace(
+            plain,
+            film=scaled(plain.film, "film"),
+            power=scaled(plain.power, "power"),
+            conductivity=scaled(plain.conductivity, "conductivity"),
+            capacity=scaled(plain.capacity, "specific heat"),
         )
 
 
@@ -82,42 +79,29 @@ def read_variations(inputs: Inputs, file: str, document: MoldDocument, mold: str
 
 def vary(asked: Asked, document: MoldDocument, problem: Problem, history: History, start: Array) -> Variations:
     """Run the variations on the reduced mold, which is checked against ``history``, the full run."""
-    model, names = problem.model, list(problem.probes)
-    end = history.states[-1].time
+    end, work = history.states[-1].time, problem.work_surface
     duration = LONGER * end if document.run.until is None else end
-    sensors, watched = list(problem.probes.values()), 0
-    if problem.work_surface is not None:
-        last = history.states[-1 if history.reached is None else history.reached].temperature
-        nodes = _watched(np.unique(problem.work_surface.nodes), last)
-        rows = np.zeros((len(nodes), model.size))
-        rows[np.arange(len(nodes)), nodes] = 1.0
-        sensors += [problem.work_surface.load(1.0) / problem.work_surface.area, *rows]
-        watched = 1 + len(nodes)
-    reading = np.array(sensors).reshape(len(sensors), model.size)
-    mold = reduce(model, reading, start, duration, None, corners=problem.corners, scales=SCALES)
+    sensors = np.array(list(problem.probes.values())).reshape(-1, problem.model.size)
+    states = examples(history.states)[1:]
+    mold = reduce(problem.model, sensors, start, duration, None, corners=problem.corners, states=states)
     times = np.linspace(0.0, duration, POINTS)
-    curves = mold.run(times, asked.settings(mold), STEPS)
+    grid = np.union1d(mold.grid(0.0, duration, STEPS), history.states.times)
     rows_found = []
-    for i in range(asked.count):
-        factors = {name: float(values[i]) for name, values in asked.factors.items()}
-        one = Variation(factors=factors)
-        if watched:
-            mean, surface = curves[i, :, len(names)], curves[i, :, len(names) + 1 :]
-            at = duration if document.run.target is None else _reached(times, mean, document.run.target)
-            one.warmup_time_s = at if document.run.target is not None else None
-            when = duration if at is None else at
-            nodal = np.array([np.interp(when, times, column) for column in surface.T])
-            one.work_surface_mean_degC = float(np.interp(when, times, mean))
-            one.work_surface_spread_K = float(nodal.max() - nodal.min())
-        for j, name in enumerate(names):
-            values = as_shown(times, curves[i, :, j], problem.lags[name])
-            one.probes_max_degC[name] = float(values.max())
-            one.probes_final_degC[name] = float(values[-1])
+    for i, course in enumerate(mold.courses(grid, asked.settings(mold))):
+        one = Variation(factors={name: float(values[i]) for name, values in asked.factors.items()})
+        if work is not None:
+            if document.run.target is not None:
+                one.warmup_time_s = course.when(work.load(1.0) @ mold.basis / work.area, document.run.target)
+            then = course.at(np.array([duration if one.warmup_time_s is None else one.warmup_time_s]))[0]
+            even = evenness(work, mold.basis @ then)
+            one.work_surface_mean_degC, one.work_surface_spread_K = even.mean, even.spread
+        for name, probe in shown(problem, times, course.at(times) @ mold.probes.T).items():
+            one.probes_max_degC[name], one.probes_final_degC[name] = probe.max_degC, probe.final_degC
         rows_found.append(one)
     return Variations(
         duration_s=duration,
         unknowns=len(mold.start),
-        difference_max_K=_difference(mold, history, reading),
+        difference_max_K=_difference(mold, next(mold.courses(grid, mold.plain())), problem, history),
         runs=rows_found,
     )
 
@@ -167,27 +151,12 @@ def _refuse_unfit(document: MoldDocument, name: str) -> None:
         )
 
 
-def _watched(nodes: NDArray[np.int64], temperature: Array) -> NDArray[np.int64]:
-    """Return the hottest and the coldest node of a surface, and some between."""
-    order = nodes[np.argsort(temperature[nodes], kind="stable")]
-    return np.unique(order[np.linspace(0, len(order) - 1, NODES).round().astype(np.int64)])
-
-
-def _reached(times: Array, mean: Array, target: float) -> float | None:
-    """Return when a curve first reaches the target, linear between its close points."""
-    above = np.flatnonzero(mean >= target)
-    if len(above) == 0:
-        return None
-    i = int(above[0])
-    if i == 0:
-        return 0.0
-    share = (target - mean[i - 1]) / (mean[i] - mean[i - 1])
-    return float(times[i - 1] + share * (times[i] - times[i - 1]))
-
-
-def _difference(mold: ReducedMold, history: History, reading: Array) -> float:
-    """Return how far the reduced mold is from the full run at any of its steps [K]."""
-    times = np.array([state.time for state in history.states])
-    full = np.array([reading @ state.temperature for state in history.states])
-    nominal = Asked({"film": np.ones(1)})
-    return float(np.abs(mold.run(times, nominal.settings(mold), STEPS)[0] - full).max())
+def _difference(mold: ReducedMold, nominal: Course, problem: Problem, history: History) -> float:
+    """Return how far the reduced mold is from the full run at any of its steps, at probes and the work surface [K]."""
+    nodes = np.zeros(0, dtype=np.int64) if problem.work_surface is None else np.unique(problem.work_surface.nodes)
+    most = 0.0
+    for past, coordinates in zip(history.states, nominal.at(np.array(history.states.times)), strict=True):
+        off = mold.basis @ coordinates - past.temperature
+        felt = [off @ sensor for sensor in problem.probes.values()]
+        most = max(most, float(np.abs([*felt, *off[nodes]]).max(initial=0.0)))
+    return most
