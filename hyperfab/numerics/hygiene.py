@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, scatter
 from hyperfab.numerics.rest import offset, starts_off, unzeroed
-from hyperfab.numerics.spikes import off_in_hold
+from hyperfab.numerics.spikes import off_in_hold, ringing
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
@@ -140,7 +140,7 @@ def look(
         *_doubled(stretch, stress, time),
         *_steps_back(way, stress),
         *_saturated(way, stress),
-        *_leaps(way, stress),
+        *_leaps(way, stress, time),
         *offset(stretch, stress, stretch2),
         *unzeroed(way, stress),
         *_failing(way, stress),
@@ -213,12 +213,23 @@ def _saturated(way: Array, stress: Array) -> Iterator[Doubt]:
             return
 
 
-def _leaps(way: Array, stress: Array) -> Iterator[Doubt]:
-    """Single readings off the curve, and stresses that fall in one row while the stretch goes on."""
-    peak = float(np.abs(stress).max())
-    least = max(SMALL_LEAP * peak, 1.5 * FAR * scatter(stress))
+def _leaps(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
+    """Single readings off the curve, a force that swings where the crosshead starts, stops or turns, and stresses that
+    fall in one row while the stretch goes on."""
     if len(stress) < 8:
         return
+    peak = float(np.abs(stress).max())
+    least = max(SMALL_LEAP * peak, 1.5 * FAR * scatter(stress))
+    rung = np.array(ringing(way, stress, time, least), dtype=np.int64)
+    if rung.size:
+        size = float(np.abs(np.diff(stress)[rung - 1]).max()) / peak
+        yield Doubt(
+            "ringing",
+            tuple(rung.tolist()),
+            size,
+            f"the force swings by {100 * size:.0f} % of the peak from row to row where the crosshead starts or stops",
+            f"the machine rings, the specimen does not: leave these {len(rung)} rows out, or start and stop slower",
+        )
     step = np.diff(way)
     off = np.abs(stress[1:-1] - 0.5 * (stress[:-2] + stress[2:]))
     around = np.abs(stress[2:] - stress[:-2])
@@ -236,7 +247,7 @@ def _leaps(way: Array, stress: Array) -> Iterator[Doubt]:
             "correct the reading or leave it out",
         )
     change = np.diff(stress) * np.sign(stress[int(np.abs(stress).argmax())])
-    near = np.concatenate([spikes - 1, spikes]) if spikes.size else np.array([], dtype=int)
+    near = np.concatenate([spikes - 1, spikes, rung - 1])
     falls = [
         int(row) + 1
         for row in np.flatnonzero((change < -least) & (step >= 0.0))

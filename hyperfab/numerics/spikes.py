@@ -10,6 +10,10 @@ from hyperfab.numerics.doubt import SMALL_STEP
 
 #: A glitch in a hold lasts so many rows at most; more than this share of all rows is noise.
 _TOGETHER, _MANY = 3, 0.02
+#: Of its usual speed, by how much a crosshead speeds up or slows down at a start or stop; rows in which that rings.
+_STARTS, _RINGS = 0.2, 8
+#: Shares of a leap that a swing takes at least, and that a swing which ends takes yet.
+_SWINGS, _OVER = 0.25, 0.1
 
 
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
@@ -35,3 +39,41 @@ def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
         found += kept[out].tolist()
         kept = np.delete(kept, out)
     return found if len(found) <= _MANY * len(stress) + 2 else []
+
+
+def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list[int]:
+    """Return the rows in which the machine rings behind a start, a stop or a turn of its crosshead.
+
+    What is in between has mass: the force swings, against what the specimen does, by ``least`` from row to row: it
+    falls while the stretch goes on, or rises while that stands, and turns twice at least.
+
+    >>> time = np.arange(40.0)
+    >>> way = np.minimum(1.0 + 0.05 * time, 2.0)
+    >>> stress = np.where(time <= 20.0, way - 1.0, 1.0)
+    >>> stress[[21, 22, 23]] = 0.6, 0.9, 1.1
+    >>> ringing(way, stress, time, 0.05)
+    [20, 21, 22, 23, 24]
+    """
+    if time is None or len(way) < 8 or np.any(np.diff(time) <= 0.0):
+        return []
+    side = np.sign(stress[int(np.abs(stress).argmax())])
+    step = np.diff(way) * np.sign(way[int((side * stress).argmax())] - way[0])
+    change = side * np.diff(stress)
+    speed = step / np.diff(time)
+    order = np.argsort(np.abs(speed))
+    travel = np.cumsum(np.abs(step[order]))
+    usual = abs(float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])]))
+    begins = np.flatnonzero(np.abs(np.diff(speed, prepend=0.0)) > _STARTS * usual)
+    going = step > SMALL_STEP * float(np.ptp(way))
+    against = np.where(going, -change, change)
+    found: set[int] = set()
+    for row in begins:
+        near = slice(int(row), int(row) + _RINGS)
+        swings = np.sign(change[near][np.abs(change[near]) > _SWINGS * least])
+        if row:
+            swings = np.append(np.sign(change[row - 1]), swings)
+        if np.count_nonzero(against[near] > least) > 1 and np.count_nonzero(np.diff(swings)) > 1:
+            # The last swing is over a row behind the last that goes against the specimen, by however little.
+            last = int(row) + int(np.flatnonzero(against[near] > _OVER * least)[-1]) + 2
+            found |= set(range(max(int(row), 1), min(last + 1, len(way))))
+    return sorted(found)

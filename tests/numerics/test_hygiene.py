@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from hyperfab.arrays import Array
 from hyperfab.numerics.doubt import Doubt
 from hyperfab.numerics.hygiene import branches, cycles, look, turns
 
@@ -247,3 +248,48 @@ def test_a_specimen_that_tears_layer_by_layer_is_told_from_its_peak_on(sign: flo
     again = np.concatenate([way, way[::-1], way])
     softer = again * np.repeat([1.0, 0.8, 0.7], 101)
     assert "failing" not in kinds(look(1.0 + again * np.repeat([1.0, 1.0, 1.001], 101), softer))
+
+
+def ramp_and_hold(rows: int, dt: float) -> tuple[Array, Array, Array]:
+    """Time (n,), stretch (n,) of a fast ramp to 3 whose crosshead swings past its stop, and a stress that relaxes."""
+    time = dt * np.arange(rows)
+    stop = 100 * dt
+    past = np.where(time > stop, 0.04 * np.exp(-(time - stop) / (2 * dt)) * np.sin((time - stop) / (2 * dt)), 0.0)
+    stretch = 1.0 + 2.0 * np.minimum(time / stop, 1.0) + past
+    elastic = 0.5 * (np.minimum(stretch, 3.0) - np.minimum(stretch, 3.0) ** -2)
+    return time, stretch, elastic * np.where(time > stop, 0.6 + 0.4 * np.exp(-(time - stop) / (20 * dt)), 1.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_machine_that_rings_at_its_start_and_stop_is_told_and_what_relaxes_is_not(sign: float) -> None:
+    time, stretch, stress = ramp_and_hold(300, 0.02)
+    assert not [doubt for doubt in look(stretch, sign * stress, time=time) if doubt.kind in ("ringing", "drop")]
+    since = np.arange(7.0)
+    swing = 0.35 * np.exp(-since / 4.0) * np.cos(np.pi * since / 2.0)
+    rung = stress.copy()
+    rung[2:9] += swing
+    rung[102:109] -= swing
+    found = {doubt.kind: doubt for doubt in look(stretch, sign * rung, time=time)}
+    [told] = [found[kind] for kind in ("ringing", "drop") if kind in found]
+    assert told.kind == "ringing"
+    assert set(np.flatnonzero(np.abs(rung - stress) > 0.1)) <= set(told.rows)
+    assert all(1 <= row < 13 or 100 <= row < 113 for row in told.rows)
+
+
+def test_steps_of_a_hand_with_waits_between_are_no_ringing() -> None:
+    draw = np.random.default_rng(5)
+    stretch = 1.0 + 0.1 * np.repeat(np.arange(1.0, 13.0), 4)
+    time = np.cumsum(np.tile([1.0, 2.0, 4.0, 8.0], 12))
+    relaxed = np.tile([1.2, 1.1, 1.04, 1.0], 12)
+    stress = (stretch - stretch**-2) * relaxed * (1.0 + draw.normal(0.0, 0.005, 48))
+    assert not [doubt for doubt in look(stretch, stress, time=time) if doubt.kind == "ringing"]
+
+
+@pytest.mark.parametrize("noise", [0.002, 0.02])
+def test_fast_cycles_do_not_ring(noise: float) -> None:
+    draw = np.random.default_rng(6)
+    time = 0.05 * np.arange(400.0)
+    stretch = 1.0 + 0.5 * np.abs((time / 5.0) % 2.0 - 1.0)
+    loading = np.gradient(stretch) > 0.0
+    stress = (stretch - stretch**-2) * np.where(loading, 1.0, 0.7) + noise * draw.normal(size=400)
+    assert not [doubt for doubt in look(stretch, stress, time=time) if doubt.kind == "ringing"]

@@ -31,6 +31,7 @@ from hyperfab.numerics.hygiene import look
 _UNSOUND = {
     "step-back": "after the stretch stepped back in mid-pull",
     "spike": "off its neighbours",
+    "ringing": "where the machine rings",
     "saturation": "at the end of the range",
     "doubled": "stands twice",
 }
@@ -111,8 +112,8 @@ def read_measured(
 def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
     """Return the tests without readings that no specimen can have given, each counted in ``found``.
 
-    Those after a specimen broke or an extensometer slipped, single readings off the curve, a reading that stands at the
-    end of its range, rows and tests that stand twice.
+    Those after a specimen broke or an extensometer slipped, single readings off the curve, a machine that rings, a
+    reading that stands at the end of its range, rows and tests that stand twice.
     """
     kept, seen = [], set()
     for test in tests:
