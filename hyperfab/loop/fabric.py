@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
+from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.replicates import replicates
 from hyperfab.loop.thresholds import MACHINE
-from hyperfab.materials.effects import anisotropy, load_offset
+from hyperfab.materials.effects import anisotropy, load_offset, mullins
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.grip_slack import BENDS, STAYS
 from hyperfab.materials.effects.path import (
@@ -109,12 +110,12 @@ class FabricProblem(Problem):
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
         In units of the stiffness these tests show at their ends. Where terms are added to the law by tests of one
-        kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach; and by
-        how much a load cell that drifts is too far off its zero.
+        kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach; by how
+        much a load cell that drifts is too far off its zero; and by how much softening takes more than all of the load.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
-        off = self._zero_off(terms)
+        off = {**self._zero_off(terms), **self._taken(terms)}
         form = anisotropy.form_of(elastic)
         if form is not None and form.whole:
             # The ground of a sheet of threads is stable where none of its constants is below zero.
@@ -145,6 +146,13 @@ class FabricProblem(Problem):
         off = np.abs(load_offset.added(self.fabric.path, *terms["load-offset"]))
         peak = float(np.max(np.abs(self.measured[self.channel == 0]), initial=0.0)) or 1.0
         return {"zero of the load cell": max(float(np.max(off)) / peak - MOST_OFF, 0.0)}
+
+    def _taken(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+        """Return by how much softening takes more of the load than leaves a specimen tight."""
+        if "mullins" not in terms:
+            return {}
+        share = mullins.taken_at_rest(self.fabric.path.outward, *terms["mullins"])
+        return {"load that softening takes": max(share - MOST_TAKEN, 0.0)}
 
     @cached_property
     def _rising(self) -> Fabric | None:

@@ -248,6 +248,11 @@ def unslack(l: float, s: float, added: bool) -> float:
 
 def set_of(form: str, v: tuple[float, ...]) -> Callable[[Row], float]:
     added = form.endswith("-added")
+    takes = 2 if form.startswith(("crept", "cycles")) or "power" in form or "bent" in form else 1
+    contraction = v[takes] if len(v) > takes else 0.0
+
+    def over(row: Row, s: float) -> float:
+        return P(unslack(row.l, s, added)) * (1.0 if added else (1.0 + s) ** -contraction)
 
     def crept(row: Row) -> float:
         before = crept(row.before) if row.before else 0.0
@@ -265,12 +270,12 @@ def set_of(form: str, v: tuple[float, ...]) -> Callable[[Row], float]:
             c = v[0] * (2.0 * row.em) ** power
             return max((1.0 - c) * P(row.l) + c * P(row.l / row.lm) / row.lm, 0.0)
         if form.startswith("crept"):
-            return P(unslack(row.l, crept(row), added))
+            return over(row, crept(row))
         if form.startswith("cycles"):
             s = v[0] * row.em * row.returns ** v[1] if row.returns else 0.0
-            return P(unslack(row.l, s, added))
+            return over(row, s)
         em = (row.earlier if form.startswith("next-pull") else row.lm) - 1.0
-        return P(unslack(row.l, rest_length(form, v, em), added))
+        return over(row, rest_length(form, v, em))
 
     return stress
 
@@ -428,6 +433,10 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
         ("next-pull-added", (0.2,)),
         ("crept-added", (0.3, 0.4)), ("cycles-added", (0.05, 0.5)), ("flow-power-added", (0.2, 1.4)),
         ("flow-bent-added", (0.2, 1.5)), ("network", (0.2,)), ("network-power", (0.2, 1.4)),
+        # What flowed left the section narrower; what is unfolded, or shows on the way down alone, did not.
+        ("flow", (0.21, 1.0)), ("flow-power", (0.21, 1.4, 0.6)), ("flow-bent", (0.21, 1.5, 1.0)),
+        ("next-pull", (0.21, 0.6)), ("next-pull-power", (0.21, 1.4, 1.0)), ("crept", (0.31, 0.4, 1.0)),
+        ("cycles", (0.06, 0.5, 1.0)), ("flow-added", (0.21, 1.0)), ("returned", (0.21, 1.0)),
     )),
     ("thermal-softening", "exponential", (0.004,), lambda r: P(r.l) * math.exp(-0.004 * (r.temperature - REFERENCE))),
     ("thermal-softening", "curved", (0.004, 5e-5),

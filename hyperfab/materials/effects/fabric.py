@@ -92,15 +92,18 @@ class Fabric:
         """
         path, turned = self.path.outward, np.where(self.path.pressed, -1.0, 1.0)
         terms = _present(terms)
-        stretch, side, _, place = self._stretches(terms, warp, weft)
+        stretch, side, rest, place = self._stretches(terms, warp, weft)
+        kept, values = terms.get("permanent-set", ("", np.empty(0)))
         itself = self.path.mirrored
         with np.errstate(all="ignore"):
             stress, energy = self._elastic(warp, weft, terms, (itself(stretch), side), place)
             stress = turned * stress
-            if terms.get("permanent-set", ("",))[0] in permanent_set.NETWORKS:
+            if kept in permanent_set.NETWORKS:
                 peak = self._peak(path, stretch)
                 second, _ = self._elastic(warp, weft, terms, (itself(stretch / peak), side), (*place, "second"))
-                stress = permanent_set.second_network(stress, turned * second, peak, *terms["permanent-set"][1])
+                stress = permanent_set.second_network(stress, turned * second, peak, *values)
+            elif kept:
+                stress = stress * permanent_set.FORMS[kept].section(rest, values)
             state = State(path, stretch, energy, self.reference_degC, self.speed)
             for name, forms in _ON_STRESS.items():
                 if name in _OF_THE_MACHINE:
@@ -210,8 +213,8 @@ class Fabric:
         return Fabric(self.law, way, self.reference_degC)
 
     def _without_set(self, path: Path, stretch: Array, form: str, values: Array) -> tuple[Array, Array]:
-        takes, lengthens = permanent_set.FORMS[form]
-        return lengthens(path, stretch, self._peak(path, stretch), values[:takes])
+        of = permanent_set.FORMS[form]
+        return of.lengthens(path, stretch, self._peak(path, stretch), values[: of.takes])
 
     def _peak(self, path: Path, stretch: Array) -> Array:
         if stretch is path.stretch:

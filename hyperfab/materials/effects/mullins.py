@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.state import Acts, State
+from hyperfab.materials.effects.ways import amount as amount_of_each_way
 from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.kinematics import Array
 
@@ -89,6 +91,36 @@ def worn_smoothly(at: State, stress: Array, values: Array, *, by_energy: bool = 
     return np.asarray(stress * np.maximum(1.0 - lost - depth * gone * below, 0.0))
 
 
+def taken_at_rest(path: Path, form: str, values: Array) -> float:
+    """Return the greatest share of the load that softening takes, towards rest, from specimens on their way back.
+
+    Where it is 1 and more a specimen is slack over a stretch, which is a set and no softening. Of a smooth law it is
+    told where that has its values; 0 of the forms whose own bounds hold it.
+
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> taken_at_rest(uniaxial_pull(np.array([2.0, 1.5])), "strain-shape", np.array([0.3, 1.0, 1.0, 1.0]))
+    0.6
+    """
+    back = path.stretch < path.peak
+    taken = TAKES.get(form)
+    return 0.0 if taken is None or not np.any(back) else float(np.max(taken(path, values)[back]))
+
+
+def _taken_by_strain(path: Path, values: Array) -> Array:
+    amount, _, _, growth = values
+    return np.asarray(amount * (np.maximum(path.peak - 1.0, 1e-12) / 0.5) ** growth)
+
+
+def _taken_smoothly(path: Path, values: Array) -> Array:
+    depth, lost = np.split(values[4:], 2)
+    gone = 1.0 - np.power(max(values[3], 1e-12), np.maximum(path.returns, 1.0))
+    return np.asarray(np.max(lost + np.outer(gone, np.maximum(depth, 0.0)), axis=1))
+
+
+def _taken_each_way(path: Path, values: Array) -> Array:
+    return np.asarray(amount_of_each_way(path, *values[-2:]) * _taken_smoothly(path, values[:-2]))
+
+
 def _worn_by_energy(at: State, stress: Array, values: Array) -> Array:
     return worn_smoothly(at, stress, values, by_energy=True)
 
@@ -118,6 +150,14 @@ FORMS: Mapping[str, Acts] = {
     "smooth-energy-each-way": each_way(_worn_by_energy),
     "damage": _by_damage,
     "damage-power": _by_damage,
+}
+#: What those forms take towards rest, as a share of the load, whose bounds do not hold it.
+TAKES: Mapping[str, Callable[[Path, Array], Array]] = {
+    "strain-shape": _taken_by_strain,
+    "smooth": _taken_smoothly,
+    "smooth-energy": _taken_smoothly,
+    "smooth-each-way": _taken_each_way,
+    "smooth-energy-each-way": _taken_each_way,
 }
 #: Forms that leave a first pull as the law has it.
 SPARES_FIRST_PULL = ("pseudo-elastic", "pseudo-elastic-beta", "strain", "strain-shape", "strain-cycles")

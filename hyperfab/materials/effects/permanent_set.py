@@ -130,14 +130,30 @@ Lengthens = Callable[[Path, Array, Array, Array], tuple[Array, Array]]
 
 
 class Form(NamedTuple):
-    """How many constants a form ``takes``, and what it makes of them; one more may follow: the set's contraction."""
+    """How many constants a form ``takes``, and what it makes of them; one more may follow: the set's contraction.
+
+    ``flows``: what is kept has flowed, and its section with it; else it is length that was folded, or slack.
+    """
 
     takes: int
     lengthens: Lengthens
+    flows: bool = True
 
     def contraction(self, values: Array) -> float:
         """Return the power with which a set contracts the specimen as a pull to its length does; 0: not at all."""
         return float(values[self.takes]) if len(values) > self.takes else 0.0
+
+    def section(self, rest: Array, values: Array) -> Array | float:
+        """Return the section that is left over a set ``rest`` to bear the load, as a share of that before the pull.
+
+        Where the volume stays the nominal stress is the derivative of the energy W(l/(1 + s)): ``P/(1 + s)``.
+        Lee (1969), J. Appl. Mech. 36, 1, doi:10.1115/1.3564580.
+
+        >>> FORMS["flow"].section(np.array([0.25]), np.array([0.2, 1.0]))
+        array([0.8])
+        """
+        power = self.contraction(values)
+        return (1.0 + rest) ** -power if self.flows and power else 1.0
 
 
 def _returned(bends: bool = False) -> Lengthens:
@@ -180,26 +196,26 @@ def _curved(values: Array, bends: bool) -> tuple[float, ...]:
 
 
 FORMS: Mapping[str, Form] = {
-    "returned": Form(1, _returned()),
-    "returned-power": Form(2, _returned()),
-    "returned-bent": Form(2, _returned(bends=True)),
+    "returned": Form(1, _returned(), flows=False),
+    "returned-power": Form(2, _returned(), flows=False),
+    "returned-bent": Form(2, _returned(bends=True), flows=False),
     "flow": Form(1, _flow()),
     "flow-power": Form(2, _flow()),
     "flow-bent": Form(2, _flow(bends=True)),
-    "flow-added": Form(1, _flow(added=True)),
-    "flow-power-added": Form(2, _flow(added=True)),
-    "flow-bent-added": Form(2, _flow(bends=True, added=True)),
+    "flow-added": Form(1, _flow(added=True), flows=False),
+    "flow-power-added": Form(2, _flow(added=True), flows=False),
+    "flow-bent-added": Form(2, _flow(bends=True, added=True), flows=False),
     "next-pull": Form(1, _flow(earlier=True)),
     "next-pull-power": Form(2, _flow(earlier=True)),
-    "next-pull-added": Form(1, _flow(added=True, earlier=True)),
+    "next-pull-added": Form(1, _flow(added=True, earlier=True), flows=False),
     "crept": Form(2, _over(crept)),
-    "crept-added": Form(2, _over(crept, added=True)),
+    "crept-added": Form(2, _over(crept, added=True), flows=False),
     "smooth": Form(6, _over(crept_smoothly)),
     "smooth-flow": Form(6, _over(partial(crept_smoothly, flows=True))),
     "smooth-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=False))),
     "smooth-flow-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=True))),
     "cycles": Form(2, _over(kept_on)),
-    "cycles-added": Form(2, _over(kept_on, added=True)),
+    "cycles-added": Form(2, _over(kept_on, added=True), flows=False),
 }
 #: Forms in which a second network stands beside the law: it moves no stretch.
 NETWORKS = ("network", "network-power")

@@ -10,6 +10,9 @@ from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 from hyperfab.materials.effects.permanent_set import FORMS as SETS
 
+#: Softening takes this share of the load at most, however near a specimen is to rest: one that bears none has a set.
+MOST_TAKEN = 0.98
+
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
     """Return what may lack, scaled to the data."""
@@ -103,10 +106,10 @@ def mullins(context: DataContext) -> Effect:
     """Softening below the largest stretch so far: Ogden and Roxburgh's factor, with their beta, or damage by that
     stretch."""
     energy, reach = context.energy, context.reach
-    one_over_r = Constant("one_over_r", 0.0, 0.0, 0.98, 0.1)
+    one_over_r = Constant("one_over_r", 0.0, 0.0, MOST_TAKEN, 0.1)
     scale = Constant("m_MPa", 0.3 * energy, 0.002 * energy, 10.0 * energy, 0.3 * energy)
     beta = Constant("beta", 0.0, 0.0, 2.0, 0.1)
-    amount = Constant("amount", 0.0, 0.0, 0.98, 0.1)
+    amount = Constant("amount", 0.0, 0.0, MOST_TAKEN, 0.1)
     power = Constant("power", 1.0, 0.1, 6.0, 0.5)
     outer = Constant("outer", 1.0, 0.2, 4.0, 0.3)
     kept = Constant("kept", 0.0, 0.0, 0.98, 0.2)
