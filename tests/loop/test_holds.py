@@ -57,3 +57,35 @@ def test_a_time_that_stands_twice_leaves_the_clock_to_the_test() -> None:
     assert held(stretch, clock).sum() == 4
     clock[11] = clock[10]
     assert held(stretch, clock).sum() == 4
+
+
+@pytest.mark.parametrize(("seed", "stiffens", "share"), [(1, 0.35, 0.5), (3, 0.5, 0.6)])
+def test_a_law_that_stiffens_is_no_stress_that_hardly_relaxes(seed: int, stiffens: float, share: float) -> None:
+    """Exponential fibres in all directions of the plane, at three rates: a branch that never relaxes is a spring."""
+    random, tests = np.random.default_rng(seed), []
+    angles = np.pi * (np.arange(24) + 0.5) / 24.0
+
+    def stress(mode: str, lam: np.ndarray) -> np.ndarray:
+        side = lam**-0.5 if mode == "uniaxial" else np.ones_like(lam)
+        narrows = -0.5 * lam**-1.5 if mode == "uniaxial" else np.zeros_like(lam)
+        total = (1.0 - share) * (lam - 1.0 / (lam**3 * side**2))
+        for c, s in zip(np.cos(angles), np.sin(angles), strict=True):
+            strain = np.maximum((lam * c) ** 2 + (side * s) ** 2 - 1.0, 0.0)
+            pull = 2.8 * strain * np.exp(stiffens * strain**2) * (lam * c**2 + side * narrows * s**2)
+            total += share * pull / len(angles)
+        return 0.3 * total
+
+    top = float(stress("uniaxial", np.array([1.57]))[0])
+    plan = [("uniaxial", rate, (1.57, 1.0) * 3) for rate in (0.014, 0.046, 0.155)]
+    plan += [("uniaxial", 0.014, (1.32, 1.0) * 2), ("shear", 0.014, (1.57, 1.0))]
+    for number, (mode, rate, turns) in enumerate(plan):
+        ends = (1.0, *turns)
+        ways = [np.linspace(a, b, 41)[1:] for a, b in zip(ends, turns, strict=False)]
+        lam = np.concatenate([[1.0], *ways])
+        noisy = stress(mode, lam) + 0.017 * top * random.standard_normal(len(lam))
+        time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
+        tests.append(TestCurve(mode, lam, noisy, time_s=time, source=f"{number}", specimen=f"{number}"))
+    found = close(fabric_problem(law("neo-hookean"), [0.2], tests), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("elastic-law",))
+    assert found.belief is not None
+    assert found.belief.of["rate"] < 0.05
