@@ -52,7 +52,7 @@ def _of_each(state: Candidate, name: str) -> float:
     form = state.fit.forms[name]
     if not form.of_each:
         return 0.0
-    count = len(form.constants)
+    count = len(form.each)
     return count * float(np.log(max(len(state.fit.residual) / count, 1.0)))
 
 

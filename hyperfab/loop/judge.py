@@ -200,7 +200,7 @@ def price(fitted: Fit, count: float) -> float:
 
     That are all, ``count`` of them that tell by themselves, or of a constant of each specimen its own.
     """
-    own = [len(form.constants) for form in fitted.forms.values() if form.of_each]
+    own = [len(form.each) for form in fitted.forms.values() if form.of_each]
     return float(len(fitted.x) * np.log(count) - sum(many * np.log(min(many, count)) for many in own))
 
 

@@ -38,7 +38,8 @@ class Form:
 
     ``starts`` are where a joint fit begins; ``probes`` the small departures whose imprint on the prediction is the
     effect's signature. ``refines`` names the simpler form, or forms, that it is tried after (of none: it is not tried).
-    ``of_each``: a constant for the first specimen, and for each further one what it has more. ``free``: its amount is
+    ``of_each``: a constant for the first specimen, and for each further one what it has more, before the last ones,
+    ``shared`` in number. ``free``: its amount is
     a smooth function of what the effect rides on, by a few values; it is tried for names that stand, or might, where
     no formula leaves noise. ``takes_over``: beside its constants the model's own may be next to nothing; a fit begins
     there too.
@@ -50,6 +51,7 @@ class Form:
     probes: tuple[tuple[float, ...], ...] = ()
     refines: str | tuple[str, ...] | None = None
     of_each: bool = False
+    shared: int = 0
     free: bool = False
     takes_over: bool = False
 
@@ -57,6 +59,11 @@ class Form:
     def null(self) -> tuple[float, ...]:
         """The constants at which the effect is absent."""
         return tuple(constant.value for constant in self.constants)
+
+    @property
+    def each(self) -> tuple[Constant, ...]:
+        """The constants of which each specimen has one."""
+        return self.constants[: len(self.constants) - self.shared] if self.of_each else ()
 
     def named(self, values: Array) -> dict[str, float]:
         """Return ``values`` by the names of the constants."""

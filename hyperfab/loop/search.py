@@ -332,7 +332,8 @@ def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
     What one or two of them have is what the model lacks there, not an effect of its own; unless they differ from those
     that were led alike.
     """
-    place = fitted.place(name)
+    start = fitted.place(name).start
+    place = slice(start, start + len(fitted.forms[name].each))
     scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
     # Each further one is told by what it has more than the first: what all have may be known far worse.
     of = np.eye(place.stop - place.start)

@@ -60,3 +60,23 @@ def test_specimens_each_mounted_with_a_slack_of_their_own_are_told_by_what_they_
     form, values = found.after.fit.terms["grip-slack"]
     assert form == "each"
     assert values[1:] == pytest.approx(np.array(slack[1:]) - slack[0], abs=0.006)
+
+
+@pytest.mark.parametrize(("seed", "width", "noise"), [(2, 0.012, 0.001), (1, 0.02, 0.002)])
+def test_play_of_each_specimen_ends_as_roundly_as_that_of_all(seed: int, width: float, noise: float) -> None:
+    """Another length hangs loose of each, and is taken up over a strain: no law of the cloth has to make up for it."""
+    random, tests = np.random.default_rng(seed), []
+    loose = random.uniform(0.01, 0.05, 6)
+    for number, slack in enumerate(loose):
+        mode = "uniaxial" if number < 4 else "shear"
+        strain = np.linspace(0.0, 0.5, 60)
+        pulled = width * (np.logaddexp(0.0, (strain - slack) / width) - np.log1p(np.exp(-slack / width)))
+        load = 0.4 * STRESS[mode](1.0 + pulled) * (1.0 + 0.5 * pulled)
+        noisy = load + random.normal(0.0, noise, len(load))
+        tests.append(TestCurve(mode, 1.0 + strain, noisy, source=f"{number}", specimen=f"{number}"))
+    found = close(fabric_problem(law("yeoh-3"), [0.2, 0.01, 0.01], tests), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("grip-slack",))
+    form, values = found.after.fit.terms["grip-slack"]
+    assert form == "each-toe"
+    # So far as it is above the width: a shorter one is half taken up at rest.
+    assert values[1:-1] == pytest.approx(loose[1:] - loose[0], abs=0.25 * width + 0.002)

@@ -71,7 +71,7 @@ def held_terms(
             if constant.name in away:
                 constants.append(fixed(f"{kind} {constant.name}", ABSENT[constant.name]))
                 continue
-            if constant.name not in values and not (form.of_each and constant is not form.constants[0]):
+            if constant.name not in values and constant not in form.each[1:]:
                 raise InputError("is missing", file=name, key=f"{key}.parameters.{constant.name}")
             value = float(values.get(constant.name, _usual(form, values)))
             low, high = min(constant.low, value), max(constant.high, value)
@@ -84,7 +84,7 @@ def held_terms(
 
 def _usual(form: Form, values: Mapping[str, Any]) -> float:
     """Return what a specimen has more than the first, in the mean of those told, for one that is not."""
-    more = [float(values[constant.name]) for constant in form.constants[1:] if constant.name in values]
+    more = [float(values[constant.name]) for constant in form.each[1:] if constant.name in values]
     return sum(more) / (len(more) + 1)
 
 

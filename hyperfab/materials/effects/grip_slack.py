@@ -20,13 +20,8 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     array([1.  , 1.  , 1.48])
     """
     strain = stretch - 1.0 - slack
-    if np.ndim(slack):
-        return np.asarray(np.where(np.asarray(slack) < 0.0, 1.0 + strain, 1.0 + np.maximum(strain, 0.0)))
-    if slack < 0.0:
-        return np.asarray(1.0 + strain)
-    if toe > 0.0:
-        return np.asarray(1.0 + 0.5 * (strain + np.sqrt(strain**2 + toe**2)))
-    return np.asarray(1.0 + np.maximum(strain, 0.0))
+    pulled = 0.5 * (strain + np.sqrt(strain**2 + toe**2)) if toe > 0.0 else np.maximum(strain, 0.0)
+    return np.asarray(1.0 + np.where(np.asarray(slack) < 0.0, strain, pulled))
 
 
 def given(stretch: Array, reach: float, values: Array) -> Array:
@@ -99,6 +94,7 @@ FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
     "play": lambda path, stretch, values: taken_up(stretch, *values),
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
+    "each-toe": lambda path, stretch, values: taken_up(stretch, of_each(path, values[:-1]), values[-1]),
     "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
 }
 #: What the grips give in the forms that ask for it: of the load [MPa], never below zero, that the specimen bears.

@@ -34,6 +34,10 @@ def grip_slack(context: DataContext) -> Effect:
     forms += tried_if(count > 1, _alone(context, each, 0.005 * reach))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
+    # Play of each its own ends as roundly as that of all.
+    begin = (*each.starts[0], 0.03 * reach)
+    rounded = Form("each-toe", (*each.constants, toe), (begin,), refines=("toe", "each"), of_each=True, shared=1)
+    forms += tried_if(count > 1, rounded)
     peak = context.peak_stress
     told_to = fixed("peak_MPa", peak)
     give = Constant("give", 0.0, 0.0, high, step)
@@ -48,8 +52,8 @@ def grip_slack(context: DataContext) -> Effect:
     told = not len(context.slanted)
     forms += tried_if(told, *by_load)
     holds = Constant("holds_MPa", 0.2 * peak, 0.0, 0.95 * peak, 0.05 * peak)
-    begin = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
-    slips = Form("slips", (told_to, replace(give, high=5.0 * high), holds), begin, ((peak, little, 0.2 * peak),))
+    beginnings = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
+    slips = Form("slips", (told_to, replace(give, high=5.0 * high), holds), beginnings, ((peak, little, 0.2 * peak),))
     forms += tried_if(context.unloads, slips)
     # A specimen may be mounted taut, but no grip goes against the load.
     alongs = (
