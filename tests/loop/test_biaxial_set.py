@@ -33,15 +33,19 @@ def knit(one: np.ndarray, two: np.ndarray, axis: int = 0) -> np.ndarray:
 
 
 def pulled(peaks: tuple[float, float], pulls: int = 3, knitted: bool = False) -> list[TestCurve]:
-    """Return what both axes read of pulls after the first of which a share of each axis' strain stays."""
+    """Return what both axes read of pulls after the first of which a share of each axis' strain stays.
+
+    What stays has flowed at constant volume: the nominal stress is the derivative of the energy by the whole stretch.
+    """
     up = np.linspace(0.0, 1.0, 17)
     once = np.concatenate([up, up[-2::-1]])
     strain = np.outer(np.concatenate([once, *[once[1:]] * (pulls - 1)]), peaks)
-    rest = np.where(np.arange(len(strain)) < len(once), 0.0, SET)[:, None] * np.maximum(peaks, 0.0)
-    one, two = ((1.0 + strain) / (1.0 + rest)).T
+    rest = 1.0 + np.where(np.arange(len(strain)) < len(once), 0.0, SET)[:, None] * np.maximum(peaks, 0.0)
+    one, two = ((1.0 + strain) / rest).T
     random = np.random.default_rng(4)
     stress = (knit(one, two), knit(two, one, 1)) if knitted else (rubber(one, two), rubber(two, one))
     noise = 5.0 * NOISE if knitted else NOISE
+    stress = tuple(along / own for along, own in zip(stress, rest.T, strict=True))
     read = [np.maximum(along, 0.0) + random.normal(0.0, noise, len(along)) for along in stress]
     name = f"{peaks[0]:g} to {peaks[1]:g}"
     return [
