@@ -33,6 +33,10 @@ _ANGLE = re.compile(
     r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
 )
 _CUT = 15
+#: What makes the number of degrees beside it a temperature, or the angle of a peel or a bend: washed_60deg, 90deg peel.
+_BESIDE = r"(?:wash|bath|water|oven|temp|heat|cured|annealed|peel|bend|gewaschen|ofen|bad)[a-z]*"
+_DEGREES = r"\d{1,3}\s?(?:deg|\u00b0|grad)[a-z]*"
+_NO_CUT = re.compile(rf"(?<![a-z]){_BESIDE}(?: at)?[ -]*{_DEGREES}|{_DEGREES}[ -]{_BESIDE}")
 _SIDES = {"load": 1, "unload": -1}
 
 
@@ -56,22 +60,25 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
 def _in_name(name: str) -> float | None:
     """Return the degrees from the warp that the name of a file or a sheet tells; none where it tells two of them.
 
-    A warp knit, a transverse strain and a temperature are none.
+    A warp knit, a transverse strain, a machine and a temperature are none.
 
     >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft"), _in_name("PET transverse 2")
     (90.0, None, None, 90.0)
     >>> _in_name("jersey_45deg_1"), _in_name("rib 45degC"), _in_name("vhb_20deg"), _in_name("foil machine direction")
     (45.0, None, None, 0.0)
+    >>> _in_name("pull on the old machine"), _in_name("washed_60deg"), _in_name("washed 60deg_bias 45deg")
+    (None, None, 45.0)
     """
     found = set()
     for word, after in pairwise([*plain(name).split(), ""]):
-        told = word_for(f"{word} {after}", "DIRECTIONS") or (
+        told = (word_for(f"{word} {after}", "DIRECTIONS") if after else None) or (
             word_for(word, "DIRECTIONS") if word not in _UNSURE else None
         )
         if told and after not in _MEASURED and not after.startswith(("knit", "wirk")):
             found.add(DIRECTIONS[told])
     text = name.replace("_", " ").casefold()
-    found.update(float(angle) for angle in _ANGLE.findall(text) if int(angle) % _CUT == 0 and int(angle) < 180)
+    angles = _ANGLE.findall(_NO_CUT.sub(" ", text))
+    found.update(float(angle) for angle in angles if int(angle) % _CUT == 0 and int(angle) < 180)
     return found.pop() if len(found) == 1 else None
 
 

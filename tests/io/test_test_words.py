@@ -190,7 +190,8 @@ def test_of_a_pull_the_column_that_counts_down_is_the_one_to_turn(table: str) ->
      ("warp_knit_3.csv", None), ("machine7.csv", None), ("lab4 Longitudinal pull.csv", 0.0), ("film_TD_2.csv", 90.0),
      ("transverse strain.csv", None), ("rib_45deg_1.csv", 45.0), ("rib -30\u00b0.csv", 30.0),
      ("rib 90 graden 1.txt", 90.0), ("foil machine direction.csv", 0.0), ("vhb_40deg.csv", None),
-     ("rib_45degC.csv", None), ("rib 60 \u00b0 C.csv", None), ("0deg_90deg.csv", None), ("warp_0deg.csv", 0.0)],
+     ("rib_45degC.csv", None), ("rib 60 \u00b0 C.csv", None), ("0deg_90deg.csv", None), ("warp_0deg.csv", 0.0),
+     ("pulled on our machine.csv", None), ("washed_60deg.csv", None), ("90deg peel.csv", None)],
 )  # fmt: skip
 def test_a_name_tells_the_direction_where_nothing_else_does(name: str, degrees: float | None) -> None:
     assert read_tests(f"# test: tensile\n{ROWS}".encode(), name)[0].direction == degrees
