@@ -82,7 +82,8 @@ def meaning(head: Heading) -> Meaning | None:
     if not found:
         core = " ".join(word for word in label.split() if word not in qualifiers())
         found = list(looked_up(core))
-    if not found and (core := _GAUGE.sub(" ", label).strip()) != label:
+    # Of a gauge alone its last word tells: Laser extensometer.
+    if not found and (core := _GAUGE.sub(" ", label).strip() or label.rpartition(" ")[2]) != label:
         found = [one for one in looked_up(core) if one.name in ("strain", "stretch", "extension")]
     if not found:
         first, _, last = label.rpartition(" ")

@@ -265,7 +265,15 @@ def test_what_reads_the_specimen_itself_goes_before_the_machine(heads: str) -> N
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2])
 
 
-@pytest.mark.parametrize("heads", ["Traverse (mm),Feindehnung (mm)", "Crosshead (mm),Extensometer elongation (mm)"])
+@pytest.mark.parametrize(
+    "heads",
+    [
+        "Traverse (mm),Feindehnung (mm)",
+        "Crosshead (mm),Extensometer elongation (mm)",
+        "Crosshead (mm),Laser extensometer (mm)",
+        "Crosshead (mm),Clip-on extensometer (mm)",
+    ],
+)
 def test_an_elongation_of_an_extensometer_beside_that_of_the_machine_is_asked_about(heads: str) -> None:
     with pytest.raises(InputError, match="two columns give the extension"):
         read_tests(f"{STRIP}{heads},Load (N)\n12,5,2\n24,10,4\n".encode(), "a.csv")
