@@ -23,6 +23,8 @@ TURN = 0.2
 ALIKE = 0.02
 #: Below this share of the peak a reading is zero, whatever its last digits say.
 ZERO = 1e-9
+#: A stretch that goes on slower than this share of the speed of the pull creeps.
+_CREEPS = 0.2
 
 
 def turns(way: Array, share: float = TURN) -> list[slice]:
@@ -143,7 +145,7 @@ def look(
         *_leaps(way, stress, time),
         *offset(stretch, stress, stretch2),
         *unzeroed(way, stress),
-        *_failing(way, stress),
+        *_failing(way, stress, time),
     ]
     if np.ptp(way) > 0.0:
         side = branches(way) if branch is None else branch
@@ -289,11 +291,18 @@ def _doubled(stretch: Array, stress: Array, time: Array | None) -> Iterator[Doub
         )
 
 
-def _failing(way: Array, stress: Array) -> Iterator[Doubt]:
-    """A stress that falls for good while the stretch goes on to its end: the specimen tears, layer by layer."""
+def _failing(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
+    """A stress that falls for good while the stretch goes on to its end: the specimen tears, layer by layer.
+
+    Where the stretch only creeps behind the peak, far slower than up to it, the stress relaxes.
+    """
     top, last = int(np.abs(stress).argmax()), int(_away(way).argmax())
     peak, rest = stress[top], stress[top : last + 1]
     if len(rest) < 5 or abs(way[last] - way[top]) < 10.0 * SMALL_STEP * np.ptp(way):
+        return
+    if time is not None and abs(way[last] - way[top]) * abs(time[top] - time[0]) < _CREEPS * abs(
+        way[top] - way[0]
+    ) * abs(time[last] - time[top]):
         return
     fallen = 1.0 - float(np.sign(peak) * rest[-1] / abs(peak))
     climbs = float(np.max(np.maximum.accumulate(rest[::-1] * np.sign(peak)) - rest[::-1] * np.sign(peak)))

@@ -245,6 +245,10 @@ def test_a_specimen_that_tears_layer_by_layer_is_told_from_its_peak_on(sign: flo
     # A plateau that dips and climbs again, a relaxation and a softer second cycle are none.
     assert look(1.0 + 0.6 * way, way + 0.2 * np.sin(3.0 * np.pi * way)) == []
     assert "failing" not in kinds(look(*held(0)))
+    creeping = 1.0 + np.concatenate([0.5 * way, 0.5 + 0.02 * way[1:]])
+    relaxing = np.concatenate([way, 0.6 + 0.4 * np.exp(-4.0 * way[1:])])
+    told = kinds(look(1.0 + sign * (creeping - 1.0), sign * relaxing, time=np.arange(201.0)))
+    assert "failing" not in told
     again = np.concatenate([way, way[::-1], way])
     softer = again * np.repeat([1.0, 0.8, 0.7], 101)
     assert "failing" not in kinds(look(1.0 + again * np.repeat([1.0, 1.0, 1.001], 101), softer))
