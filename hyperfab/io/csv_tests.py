@@ -144,8 +144,8 @@ def _read_sheet(
             notes=(*loading.notes, *notes),
             metadata=metadata,
         )
-        refuse_impossible(part, sheet, columns, clock)
-        found.append(part)
+        odd = refuse_impossible(part, sheet, columns, clock)
+        found.append(replace(part, notes=(*part.notes, *odd)))
     rows_of = [
         one for name, one in columns.columns.items() if name in _OF_A_ROW and known.get(_OF_A_ROW[name]) is not None
     ]

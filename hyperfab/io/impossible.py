@@ -23,13 +23,13 @@ def _as_strain(sheet: CsvSheet, column: Column) -> str:
     return sheet.option([(column.heading.title, f"strain [{column.heading.unit or '-'}]")])
 
 
-def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: bool) -> None:
-    """InputError, with the row's line, where no test can have shown what was read.
+def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: bool) -> list[str]:
+    """Return what was read that no test shows, in few rows: they stay. InputError, with the line, where it is the file.
 
     What is merely odd is the fit's to judge. Without ``clock`` times are not judged.
     """
     if found.mode in ("volumetric", "simple-shear"):
-        return
+        return []
     stretch, stress = found.stretch, found.stress
 
     def refuse(row: int, message: str, remedy: str) -> InputError:
@@ -47,6 +47,7 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
         if peak > 0.0 and found.mode != "biaxial-general"
         else np.array([], dtype=int)
     )
+    told = []
     # A glitch of the load cell, or a platen that sticks, is no wrong column.
     if swapped.size > _FEW * np.count_nonzero(stretch < below):
         row = int(swapped[0])
@@ -65,6 +66,9 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
             f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
             remedy,
         )
+    if swapped.size:
+        lines = swapped if found.lines is None else found.lines[swapped]
+        told.append(f"tension below a stretch of 1 in {len(lines)} of {len(stretch)} rows, first line {lines[0]}")
     pull = columns.first(STRETCHES)
     if pull is not None and pull.name == "strain" and sheet.layout.choice(pull.heading, sheet.headings) is None:
         rest = int(np.abs(stress).argmin())
@@ -95,3 +99,4 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
     if peak > 0.0 and not PEAK_STRESS[0] < peak < PEAK_STRESS[1]:
         row = int(np.abs(stress).argmax())
         raise refuse(row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column")
+    return told

@@ -206,3 +206,10 @@ def test_a_stress_that_was_rounded_is_told_beside_the_force_it_was_made_of() -> 
     assert "Stress (kPa) has 4 different values, Load (N) 60" in told
     assert '--columns "Stress (kPa)=aside"' in told
     assert notes(2) == []
+
+
+def test_few_rows_of_tension_in_a_push_are_told() -> None:
+    """They were refused, then taken without a word where the rows stand too far apart to tell a glitch by."""
+    rows = [f"{-0.02 * k:g},{-0.06 * k * (-1 if k == 15 else 1):g}" for k in range(26)]
+    [found] = read_tests("\n".join(["strain [-],stress [MPa]", *rows]).encode(), "a.csv", test="uniaxial")
+    assert "tension below a stretch of 1 in 1 of 26 rows, first line 17" in found.notes
