@@ -172,6 +172,9 @@ def roles(sheet: CsvSheet) -> Roles:
     _still_out(sheet, found, aside)
     _of_machine_or_gauge(sheet, found)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
+    for ones in found.values():
+        best = min((rank for rank, _ in ones), default=0)
+        aside += [one.heading.title for rank, one in ones if rank > best]
     return Roles(_axes(sheet, columns), tuple(aside))
 
 

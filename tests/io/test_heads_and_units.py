@@ -265,6 +265,13 @@ def test_what_reads_the_specimen_itself_goes_before_the_machine(heads: str) -> N
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2])
 
 
+def test_a_second_column_of_the_same_that_is_not_taken_is_told() -> None:
+    [found] = read_tests(
+        f"{STRIP}Machine strain (%),Extensometer strain (%),Load (N)\n12,10,2\n24,20,4\n".encode(), "a"
+    )
+    assert "columns not used: Machine strain (%)" in found.notes
+
+
 @pytest.mark.parametrize(
     "heads",
     [
