@@ -97,6 +97,8 @@ class Course:
             return float(self.grid[0]) if len(above) else None
         length = self.grid[above[0]] - self.grid[above[0] - 1]
         before, beyond = self.states[above[0] - 1 : above[0] + 1] @ row - value
+        if beyond == 0.0:  # at a peak the slope below is none
+            return float(self.grid[above[0]])
         slope = length * float(self.slopes[above[0]] @ row)
         bend = before - beyond + slope
         back = 2.0 * beyond / (slope + np.sqrt(slope**2 - 4.0 * bend * beyond))

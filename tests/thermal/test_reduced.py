@@ -205,6 +205,9 @@ def test_a_run_says_when_it_comes_to_a_value():
         assert course.at(np.array([0.5, 3.0]))[:, 0] == pytest.approx(curve(np.array([0.5, 3.0])), rel=1e-12)
         assert course.when(np.ones(1), 1.01 * curve(4.0)) is None
         assert course.when(np.ones(1), -1.0) == 0.0
+    peak = Course(np.array([0.0, 2.0]), np.array([[0.0], [4.0]]), np.array([[4.0], [0.0]]))  # 4 t - t^2
+    past = Course(np.array([0.0, 3.0]), np.array([[0.0], [3.0]]), np.array([[4.0], [-2.0]]))
+    assert (peak.when(np.ones(1), 4.0), past.when(np.ones(1), 3.0)) == (2.0, 3.0)
 
 
 def test_parts_hold_their_heat(block):
