@@ -7,14 +7,14 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import least_misfits
-from hyperfab.loop.replicates import replicates
+from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ONE_CLOTH, SMALL, TOLD
 
 #: Scatters of specimens that are tried.
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
-#: Specimens that what is usual counts for.
-_USUAL = 2.0
+#: Entries that are tried beside a model for what the scatter of specimens hides.
+_HIDDEN = 3
 
 
 def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, float]]:
@@ -37,6 +37,30 @@ def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, flo
         odds[weakest] = float(np.exp(0.5 * (worth[weakest] - MARGIN)))
         best = search.without(best, weakest)
     return best, odds
+
+
+def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, float]:
+    """Return a model with the terms that specimens which scatter hide, and how much they scatter beside these.
+
+    Few replicates may differ by chance as much as an effect makes others differ: noise as large as that asks for no
+    name. Beside the term all specimens scatter by so much less that it is no chance, of as many entries.
+    """
+    scatter = np.inf
+    chance = MARGIN + 2.0 * float(np.log(sum(not effect.not_sought for effect in search.problem.effects)))
+    while search.noise.gain_doubt and len(best.ids) < most:
+        worth, larger = chance, best
+        for effect, _ in search.ranking(best)[:_HIDDEN]:
+            fitted = search.with_term(best, effect)
+            if fitted is None:
+                continue
+            beside = search.state(fitted)
+            (alone, wide), (whole, narrow) = (likeliest_scatter(search, one, beside) for one in (best, beside))
+            if narrow < wide and alone - whole - _of_each(beside, effect.id) > worth:
+                worth, larger, scatter = alone - whole - _of_each(beside, effect.id), beside, narrow
+        if larger is best:
+            break
+        best = larger
+    return best, scatter
 
 
 def _none_alike(search: Search) -> bool:
@@ -83,7 +107,7 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     if best is not None:
         surprise -= entropy * min((1.0 + len(best.ids)) / len(search.noise.groups), 1.0)
         variance = np.array(scatters) ** 2
-        surprise += _USUAL * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
+        surprise += CLOTH_COUNTS * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 
@@ -111,6 +135,9 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
         # What nature does not allow is not what is left once specimens scatter.
         return "unexplained", 0.0
     assumed = max(noise.gain_doubt, likeliest_scatter(search, before)[1])
+    if assumed <= noise.gain_sd:
+        # So much was noise to the judgement above, which looks at the stiffness of each specimen too.
+        return "unexplained", 0.0
     left = float(np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)))
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL

@@ -13,7 +13,7 @@ from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.doubt import likeliest_scatter, scatter_of_one_cloth, undoubted, without_names
+from hyperfab.loop.doubt import likeliest_scatter, scatter_of_one_cloth, undoubted, with_hidden, without_names
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
@@ -92,10 +92,14 @@ def close(
         entries = sum(not effect.not_sought for effect in problem.effects)
         return belief(before, search.states, entries, is_noise=is_noise).against(odds)
 
-    def once_more(gain_sd: float) -> Finding:
+    def once_more(gain_sd: float, gain_doubt: float = level.gain_doubt) -> Finding:
         """Return what is found where all specimens scatter so much, which then counts as noise in all judgements."""
-        wider = replace(level, gain_sd=gain_sd)
-        return close(problem, noise=wider, tick=tick, refit=refit, design=design, again=False, apart=apart)
+        other = replace(level, gain_sd=gain_sd, gain_doubt=gain_doubt)
+        return close(problem, noise=other, tick=tick, refit=refit, design=design, again=False, apart=apart)
+
+    def beside(less: float) -> Finding:
+        """Return what is found where specimens scatter less than replicates have it, as all of them tell."""
+        return once_more(less, less * (1.0 + TOLD / np.sqrt(2.0 * len(level.groups))))
 
     def finding(verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]) -> Finding:
         left = problem.measured - after.fit.predicted
@@ -112,7 +116,8 @@ def close(
         )  # fmt: skip
 
     if before.judgement.is_noise or _no_more_than_noise(before):
-        return finding("noise", before, {}, {})
+        _, less = with_hidden(search, before, 1)
+        return beside(less) if again and less < level.gain_sd else finding("noise", before, {}, {})
     # A smooth law of one name or two comes before a third.
     for depth in (2, _DEPTH) if problem.describes else (_DEPTH,):
         best, tried = _grow(search, before, depth)
@@ -124,6 +129,9 @@ def close(
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = _likely(search, before, helpful, sure_of)
+    best, less = with_hidden(search, best, _DEPTH)
+    if again and less < level.gain_sd:
+        return beside(less)
     scatter = min(likeliest_scatter(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > level.gain_sd:
         return once_more(scatter)

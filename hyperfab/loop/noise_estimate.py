@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import chdtrc
+from scipy.special import chdtrc, chdtri
 
 from hyperfab.arrays import Array
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.replicates import difference, moving, replicates, told_apart
-from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, TOLD, UNLIKELY
+from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, replicates, told_apart
+from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, ONE_CLOTH, TOLD, UNLIKELY
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
 MAD = 1.4826
@@ -266,8 +266,7 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
         return noise
     noise = noise if sd is noise.sd else replace(noise, sd=sd)
     gain_sd = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
-    wide = 1.0 + TOLD / np.sqrt(2.0 * len(found.sure))
-    doubt = wide * float(np.sqrt(max(float(np.mean(found.sure)), 0.0)))
+    doubt = _at_most(found.sure)
     rho, rest, count = float(np.mean(found.lags)), float(np.mean(found.rests)), found.count
     # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
     rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
@@ -287,6 +286,22 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
         gain_doubt=doubt if gain_sd >= _ALIKE else 0.0,
         correlation=min(rho, 0.98),
     )
+
+
+def _at_most(squares: Array) -> float:
+    """Return what specimens scatter by at most (19 of 20), from ``squares`` of what pairs of them differ by; 0 where
+    none differ.
+
+    A pair that agrees by chance says little of the others, and what is usual of one cloth counts beside it: a scaled
+    inverse chi-squared distribution of the variance (Gelman et al., Bayesian Data Analysis, 2.6).
+
+    >>> [round(_at_most(np.full(count, 0.03**2)), 3) for count in (1, 4, 40)]
+    [0.078, 0.054, 0.036]
+    """
+    if np.mean(squares) <= 0.0:
+        return 0.0
+    usual = CLOTH_COUNTS * (0.5 * ONE_CLOTH) ** 2
+    return float(np.sqrt((usual + np.sum(squares)) / chdtri(CLOTH_COUNTS + len(squares), 0.95)))
 
 
 def winsorised(left: Array) -> Array:

@@ -13,6 +13,9 @@ from hyperfab.loop.thresholds import clearly
 from hyperfab.materials.effects.path import REVERSAL
 from hyperfab.numerics.hygiene import turns
 
+#: Specimens that what is usual of one cloth counts for, beside those that were compared.
+CLOTH_COUNTS = 2.0
+
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
     """Return pairs of curves that were led the same way."""

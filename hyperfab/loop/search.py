@@ -12,11 +12,11 @@ from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import help_of
-from hyperfab.loop.judge import correlation_time, misfit, price
+from hyperfab.loop.judge import correlation_time, misfit, price, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
-from hyperfab.loop.thresholds import MARGIN, TOLD, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, SMALL, TOLD, UNLIKELY
 from hyperfab.numerics.gram import inverse
 
 #: Refinements of the terms of a model that leaves much.
@@ -280,11 +280,21 @@ class Search:
         back = sum(float(np.sum(old.residual[rows] ** 2 - new.residual[rows] ** 2)) for rows in known)
         return Evidence(
             delta_bic=gain + price(old, count) - price(new, count),
-            variance_share=gone / total,
+            variance_share=max(gone / total, self._share_of_stiffness(old, new)),
             help=help_of(smaller.held_out, larger.held_out, old.residual**2 - new.residual**2),
             certain=self._certain(smaller, larger),
             restores=back >= max(MARGIN, 0.5 * gone) and larger.judgement.is_noise,
         )
+
+    def _share_of_stiffness(self, old: Fit, new: Fit) -> float:
+        """Return the share that is taken of how much more specimens are off in stiffness than they scatter.
+
+        It is one value of each way of testing, which the many readings of the rest would hide.
+        """
+        if not self.noise.gain_sd:
+            return 0.0
+        before, after = (structured_of_each(one, self.problem, self.noise)[-1] for one in (old, new))
+        return float(1.0 - (after / before) ** 2) if before > SMALL else 0.0
 
     def _certain(self, smaller: Candidate, larger: Candidate) -> bool:
         """Whether each new term is two standard deviations from null: some constant of it, or all of them together.
