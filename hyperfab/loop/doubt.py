@@ -46,7 +46,8 @@ def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, 
     name. Beside the term all specimens scatter by so much less that it is no chance, of as many entries.
     """
     scatter = np.inf
-    chance = MARGIN + 2.0 * float(np.log(sum(not effect.not_sought for effect in search.problem.effects)))
+    entries = sum(not effect.not_sought for effect in search.problem.effects)
+    chance = MARGIN + 2.0 * float(np.log(max(entries, 1)))
     while search.noise.gain_doubt and len(best.ids) < most:
         worth, larger = chance, best
         for effect, _ in search.ranking(best)[:_HIDDEN]:
