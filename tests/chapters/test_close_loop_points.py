@@ -27,7 +27,7 @@ from hyperfab.errors import InputError
 IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
               "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
-    "contact": {"friction", "pretension", "thermal-softening", "rim-slip"},
+    "contact": {"friction", "pretension", "thermal-softening", "rim-slip", "frame-compliance"},
     "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling"},
 }  # fmt: skip
 
