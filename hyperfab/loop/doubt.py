@@ -46,18 +46,18 @@ def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, 
     name. Beside the term all specimens scatter by so much less that it is no chance, of as many entries.
     """
     scatter = np.inf
-    entries = sum(not effect.not_sought for effect in search.problem.effects)
-    chance = MARGIN + 2.0 * float(np.log(max(entries, 1)))
+    chance = MARGIN + 2.0 * float(np.log(max(search.problem.sought, 1)))
     while search.noise.gain_doubt and len(best.ids) < most:
-        worth, larger = chance, best
+        most_worth, larger = chance, best
         for effect, _ in search.ranking(best)[:_HIDDEN]:
             fitted = search.with_term(best, effect)
             if fitted is None:
                 continue
             beside = search.state(fitted)
             (alone, wide), (whole, narrow) = (likeliest_scatter(search, one, beside) for one in (best, beside))
-            if narrow < wide and alone - whole - _of_each(beside, effect.id) > worth:
-                worth, larger, scatter = alone - whole - _of_each(beside, effect.id), beside, narrow
+            worth = alone - whole - _of_each(beside, effect.id)
+            if narrow < wide and worth > most_worth:
+                most_worth, larger, scatter = worth, beside, narrow
         if larger is best:
             break
         best = larger

@@ -89,8 +89,7 @@ def close(
     odds: dict[str, float] = {}
 
     def sure_of(is_noise: bool = False) -> Belief:
-        entries = sum(not effect.not_sought for effect in problem.effects)
-        return belief(before, search.states, entries, is_noise=is_noise).against(odds)
+        return belief(before, search.states, problem.sought, is_noise=is_noise).against(odds)
 
     def once_more(gain_sd: float, gain_doubt: float = level.gain_doubt) -> Finding:
         """Return what is found where all specimens scatter so much, which then counts as noise in all judgements."""
@@ -116,8 +115,8 @@ def close(
         )  # fmt: skip
 
     if before.judgement.is_noise or _no_more_than_noise(before):
-        _, less = with_hidden(search, before, 1)
-        return beside(less) if again and less < level.gain_sd else finding("noise", before, {}, {})
+        less = with_hidden(search, before, 1)[1] if again else np.inf
+        return beside(less) if less < level.gain_sd else finding("noise", before, {}, {})
     # A smooth law of one name or two comes before a third.
     for depth in (2, _DEPTH) if problem.describes else (_DEPTH,):
         best, tried = _grow(search, before, depth)

@@ -274,6 +274,11 @@ class Problem(ABC):
                     found[place] = found.get(place, 0.0) + float(value)
         return found
 
+    @property
+    def sought(self) -> int:
+        """How many entries of the catalogue these data could show."""
+        return sum(not effect.not_sought for effect in self.effects)
+
     def effect(self, name: str) -> Effect:
         """Return the catalogue entry of that id."""
         return next(effect for effect in self.effects if effect.id == name)

@@ -29,6 +29,27 @@ class Doubt:
     remedy: str
 
 
+def leap(readings: Array, size: float) -> float:
+    """Return what readings (n,) change by from row to row, at least, where that is no chance and no remark's business.
+
+    It is a share of their ``size``, the peak or the range, or a multiple of their scatter.
+    """
+    return max(SMALL_LEAP * size, 1.5 * FAR * scatter(readings))
+
+
+def pace(steps: Array, spans: Array) -> float:
+    """Return the speed below which half of a way is gone, whose ``steps`` (n,) took the times ``spans`` (n,).
+
+    >>> pace(np.array([1.0, 0.0, -2.0, 0.1]), np.array([1.0, 50.0, 1.0, 9.0]))
+    2.0
+    """
+    way = np.abs(steps)
+    speed = way / np.maximum(spans, 1e-12)  # a time may stand twice
+    order = np.argsort(speed)
+    travel = np.cumsum(way[order])
+    return float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])])
+
+
 def scatter(values: Array) -> float:
     """Return the standard deviation of a reading about its neighbours, by second differences, robustly.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, scatter
+from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, leap, scatter
 from hyperfab.numerics.rest import offset, starts_off, unzeroed
 from hyperfab.numerics.spikes import off_in_hold, ringing
 
@@ -221,7 +221,7 @@ def _leaps(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
     if len(stress) < 8:
         return
     peak = float(np.abs(stress).max())
-    least = max(SMALL_LEAP * peak, 1.5 * FAR * scatter(stress))
+    least = leap(stress, peak)
     rung = np.array(ringing(way, stress, time, least), dtype=np.int64)
     if rung.size:
         size = float(np.abs(np.diff(stress)[rung - 1]).max()) / peak

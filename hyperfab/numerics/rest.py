@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.numerics.doubt import FAR, SMALL_LEAP, Doubt, scatter
+from hyperfab.numerics.doubt import FAR, Doubt, leap, scatter
 
 #: A reading before the pull beyond this share of the peak is an offset.
 OFFSET = 0.02
@@ -20,7 +20,7 @@ def starts_off(way: Array, stress: Array) -> bool:
     """Return whether the first row, before the pull, reads what those behind it do not: an amplifier switched on."""
     if len(stress) < 8 or abs(way[0] - 1.0) > 1e-6:
         return False
-    least = max(SMALL_LEAP * float(np.abs(stress[1:]).max()), 1.5 * FAR * scatter(stress[1:]))
+    least = leap(stress[1:], float(np.abs(stress[1:]).max()))
     return bool(abs(stress[0]) > least and abs(stress[0] - stress[1]) > max(least, 4.0 * abs(stress[2] - stress[1])))
 
 

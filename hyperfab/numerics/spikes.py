@@ -1,4 +1,5 @@
-"""Single readings that no specimen can have given, at a held stretch, where neighbours that move do not tell."""
+"""Readings that no specimen can have given: glitches at a held stretch, where neighbours that move do not tell, and
+swings of a machine that rings."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from hyperfab.arrays import Array
-from hyperfab.numerics.doubt import SMALL_STEP
+from hyperfab.numerics.doubt import SMALL_STEP, pace
 
 #: A glitch in a hold lasts so many rows at most; more than this share of all rows is noise.
 _TOGETHER, _MANY = 3, 0.02
@@ -60,10 +61,7 @@ def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list
     step = np.diff(way) * np.sign(way[int((side * stress).argmax())] - way[0])
     change = side * np.diff(stress)
     speed = step / np.diff(time)
-    order = np.argsort(np.abs(speed))
-    travel = np.cumsum(np.abs(step[order]))
-    usual = abs(float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])]))
-    begins = np.flatnonzero(np.abs(np.diff(speed, prepend=0.0)) > _STARTS * usual)
+    begins = np.flatnonzero(np.abs(np.diff(speed, prepend=0.0)) > _STARTS * pace(step, np.diff(time)))
     going = step > SMALL_STEP * float(np.ptp(way))
     against = np.where(going, -change, change)
     found: set[int] = set()

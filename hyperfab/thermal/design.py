@@ -103,7 +103,7 @@ def share_power(
     powers = np.array([heater.power_at(0.0) for heater in heaters])
     total = float(powers.sum())
     nodes = np.unique(surface.nodes)
-    weights = surface.load(1.0) / surface.area
+    weights = surface.mean_weights
     temperature, _ = model.solve_steady(0.0, model.hold(0.0, start))
     before = evenness(surface, temperature).spread
     for _ in range(MOST_ROUNDS):

@@ -7,6 +7,7 @@ their factorisation.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -40,6 +41,11 @@ class FacetOperator:
     def area(self) -> float:
         """Total area [m^2]."""
         return float(self.weights.sum())
+
+    @cached_property
+    def mean_weights(self) -> Array:
+        """What each node (n,) counts in the mean over the area."""
+        return self.load(1.0) / self.area
 
     def at_points(self, nodal: Array) -> Array:
         """Return a nodal field (n,) at the quadrature points (f, q)."""

@@ -34,7 +34,7 @@ def evenness(surface: FacetOperator, temperature: Array) -> Evenness:
 
 def of_all(surface: FacetOperator, states: Iterable[Past]) -> list[Evenness]:
     """Return the evenness at each state; of reduced ones only the surface is lifted."""
-    nodes, mean = np.unique(surface.nodes), surface.load(1.0) / surface.area
+    nodes, mean = np.unique(surface.nodes), surface.mean_weights
     found = []
     for state in states:
         if not state.is_reduced:

@@ -22,7 +22,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
-from hyperfab.numerics.doubt import FAR, SMALL_LEAP, scatter
+from hyperfab.numerics.doubt import leap
 from hyperfab.numerics.spikes import off_in_hold
 
 
@@ -320,5 +320,4 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
 
 def _off_neighbours(readings: Array) -> list[int]:
     """Return the rows of a log (t,) that stand off both sides of their neighbours: a loose plug, a switched relay."""
-    least = max(SMALL_LEAP * float(np.ptp(readings)), 1.5 * FAR * scatter(readings))
-    return sorted(off_in_hold(np.ones_like(readings), readings, least))
+    return sorted(off_in_hold(np.ones_like(readings), readings, leap(readings, float(np.ptp(readings)))))

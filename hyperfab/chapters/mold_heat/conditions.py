@@ -188,7 +188,7 @@ class Placing:
             power = Table.constant(section.flux * operator.area)
         self._use(name, operator.area)
         power = power or Table.constant(section.power or 0.0)
-        return Heater(name, operator.load(1.0) / operator.area, power)
+        return Heater(name, operator.mean_weights, power)
 
     def _with_exposed(self, key: str, places: list[Place], by_key: dict[str, FaceSet]) -> Mask:
         mask = np.zeros(len(self.mesh.facets.element), dtype=bool)

@@ -67,8 +67,7 @@ def write_fields(out: Output, problem: Problem, history: History, target: float 
         out.add(".pieces.csv", pieces_csv(problem.pieces, history))
     shown = dict(curves)
     if problem.work_surface is not None:
-        mean = problem.work_surface.load(1.0) / problem.work_surface.area
-        shown = {"work surface, mean": curve(history, mean, times), **shown}
+        shown = {"work surface, mean": curve(history, problem.work_surface.mean_weights, times), **shown}
     at = last if history.reached is None else history.states[history.reached]
     warm = sure.interval("warmup_time_s")
     title = f"{'at the end' if history.reached is None else 'at warm-up'}, {at.time / 60:.1f} min"

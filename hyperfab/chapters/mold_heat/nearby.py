@@ -102,7 +102,7 @@ class Beside(Nearby):
             course = next(self.mold.courses(grid, settings))
             if self.target is None or work is None:
                 break
-            reached = course.when(work.load(1.0) @ self.mold.basis / work.area, self.target)
+            reached = course.when(work.mean_weights @ self.mold.basis, self.target)
             if reached is not None:
                 return course, reached
         return course, None

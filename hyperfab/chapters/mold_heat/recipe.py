@@ -143,7 +143,7 @@ def _transient(document: MoldDocument, problem: Problem, start: Array, advance: 
     target = None
     if settings.target is not None and problem.work_surface is not None:
         surface = problem.work_surface
-        target = Target(surface.load(1.0) / surface.area, settings.target)
+        target = Target(surface.mean_weights, settings.target)
 
     schedule = Schedule(settings.until, problem.corners, share * settings.tolerance)
     shortcut, why = None, "parts come fresh" if problem.renewals and settings.until is not None else None

@@ -91,7 +91,7 @@ def vary(asked: Asked, document: MoldDocument, problem: Problem, history: Histor
         one = Variation(factors={name: float(values[i]) for name, values in asked.factors.items()})
         if work is not None:
             if document.run.target is not None:
-                one.warmup_time_s = course.when(work.load(1.0) @ mold.basis / work.area, document.run.target)
+                one.warmup_time_s = course.when(work.mean_weights @ mold.basis, document.run.target)
             then = course.at(np.array([duration if one.warmup_time_s is None else one.warmup_time_s]))[0]
             even = evenness(work, mold.basis @ then)
             one.work_surface_mean_degC, one.work_surface_spread_K = even.mean, even.spread

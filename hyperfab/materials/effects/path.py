@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.kinematics import Array
+from hyperfab.numerics.doubt import pace
 from hyperfab.numerics.hygiene import branches
 
 #: Codes of the deformation modes in ``Path.mode``.
@@ -172,8 +173,8 @@ class Path:
             found[rows.start + 1 : rows.stop] = step
             if len(time) > 1:
                 moved = abs(lam[1] - lam[0])
-                pace = step[0] / moved if moved > 1e-9 else 0.0
-                found[rows.start] = max(pace * (lam[0] - 1.0), 0.0)
+                slowness = step[0] / moved if moved > 1e-9 else 0.0
+                found[rows.start] = max(slowness * (lam[0] - 1.0), 0.0)
         return found
 
     @cached_property
@@ -242,17 +243,14 @@ def held(stretch: Array, clock: Array) -> NDArray[np.bool_]:
         return still
     timed = bool(np.all(span >= 0.0) and np.any(span > 0.0))
     since = clock if timed else np.arange(float(len(stretch)))
-    speed = step / np.maximum(np.diff(since), 1e-12)  # a time may stand twice
-    order = np.argsort(speed)
-    travel = np.cumsum(step[order])
-    pace = float(speed[order][np.searchsorted(travel, 0.5 * travel[-1])])
+    usual = pace(step, np.diff(since))
     alike = np.concatenate([[0], np.cumsum(step > 1e-9)])
     # A wobble about the edge of one band is inside another that is shifted by half.
     bands = [np.floor(stretch / (share * reach) + shift) for share in _WOBBLE for shift in (0.0, 0.5)]
     for band in (alike, *bands):
         edges = [0, *(1 + np.flatnonzero(np.diff(band))), len(stretch)]
         for start, stop in itertools.pairwise(edges):
-            ways = pace * float(since[stop - 1] - since[start])
+            ways = usual * float(since[stop - 1] - since[start])
             long = ways >= _LONG * reach and stop - start > (2 if timed else _HOLD)
             if long or (band is alike and stop - start > _HOLD):
                 still[start + 1 : stop] |= float(np.ptp(stretch[start:stop])) <= _STANDS * ways
