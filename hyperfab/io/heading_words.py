@@ -135,6 +135,10 @@ COMPRESSIVE: dict[str, str] = {
         esfuerzo de compresion; tension de compresion; contrainte de compression; sforzo di compressione;
         tensione di compressione; tensao de compressao; 压缩应力; 圧縮応力; напряжение сжатия""",
 }
+#: What counts as a stress of compression beside a volume ratio, and nowhere else: a bulge has a pressure too.
+PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatischer druck; presion;
+    presion hidrostatica; pression; pression hydrostatique; pressione; pressione idrostatica; pressao;
+    pressao hidrostatica"""
 #: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
 ACROSS: dict[str, str] = {
     "strain": """lateral strain; transverse strain; transversal strain; cross strain; width strain; strain across;

@@ -6,9 +6,10 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from hyperfab.io import heading_words
 from hyperfab.io.cells import is_number, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for
+from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for, words
 from hyperfab.io.headings import KIND, Heading, is_gauged, is_of, meaning, suffixed
 from hyperfab.io.named_tests import kind_named
 
@@ -171,6 +172,7 @@ def roles(sheet: CsvSheet) -> Roles:
     _never_read(sheet, found, aside)
     _still_out(sheet, found, aside)
     _of_machine_or_gauge(sheet, found)
+    _pressure(sheet, found, aside)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
     for ones in found.values():
         best = min((rank for rank, _ in ones), default=0)
@@ -234,6 +236,16 @@ def _of_machine_or_gauge(sheet: CsvSheet, found: Mapping[str, list[tuple[int, Co
     others = [one.heading for _, one in ones if one.heading not in gauged]
     if gauged and others and all(rank >= 0 for rank, _ in found.get("extension", [])):
         raise sheet.two([*others, *gauged], "extension")
+
+
+def _pressure(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+    """Take a pressure beside a volume ratio for the mean stress, which pulls where it is positive."""
+    if "volume ratio" not in found or any(name in found for name in STRESSES):
+        return
+    for head in sheet.headings:
+        if head.title in aside and plain(head.label) in words(heading_words.PRESSURES):
+            aside.remove(head.title)
+            found.setdefault("stress", []).append((0, Column("stress", head, compressive=True)))
 
 
 def _one_of(sheet: CsvSheet, name: str, found: list[tuple[int, Column]]) -> Column:

@@ -239,6 +239,14 @@ def test_a_volumetric_test_is_volume_ratio_and_mean_stress() -> None:
     assert found.stretch.tolist() == [0.99, 0.98]
 
 
+def test_a_pressure_beside_a_volume_ratio_is_a_mean_stress_that_pushes() -> None:
+    found = one("volume ratio,pressure [MPa]\n1,0\n0.99,20\n0.98,41\n")
+    assert found.mode == "volumetric"
+    assert found.stress.tolist() == [0.0, -20.0, -41.0]
+    with pytest.raises(InputError, match="no column gives a stress"):  # of a bulge, say, it is no stress
+        one("stretch,pressure [MPa]\n1,0\n1.1,20\n1.2,41\n")
+
+
 def test_no_row_is_dropped_in_silence() -> None:
     found = one(PLAIN + ",,\n,,\n1,0,23\n0.99,-0.001,23\n")
     assert len(found.stretch) == 6  # also the rows a relative objective cannot use
