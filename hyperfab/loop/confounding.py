@@ -162,13 +162,18 @@ def indistinguishable(
         [name, *dict.fromkeys([*rivals_of, *_never_told_from(problem, name, forms)])]
         for name, rivals_of in others.items()
     ]
-    return [one for one in sets if len(one) > 1]
+    told = {frozenset(one): one for one in reversed(sets)}
+    return [one for one in sets if len(one) > 1 and told[frozenset(one)] is one]
 
 
 def _never_told_from(problem: Problem, name: str, found: Mapping[str, Form]) -> list[str]:
-    """Return what no tests of this plan tell from an effect, less what is found beside it."""
+    """Return what no tests of this plan tell from an effect, less what is found beside it unless nothing else is.
+
+    Of two found ones that they do not tell apart each may be all there is.
+    """
     alike = {one for group in problem.look_alikes(found) if name in group for one in group}
-    return [one for one in sorted(alike.difference(found)) if not problem.effect(one).not_sought]
+    others = alike.difference(found) or alike.difference([name])
+    return [one for one in sorted(others) if not problem.effect(one).not_sought]
 
 
 def is_strained(problem: Problem, found: Fit) -> bool:

@@ -95,7 +95,10 @@ class FabricProblem(Problem):
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
         gives = forms["grip-slack"].name if "grip-slack" in forms else ""
-        if (gives in BENDS and context.has_one_curve) or (gives == "smooth" and context.has_one_mode):
+        given = {*forms, *self.held}
+        turns = self.both or "anisotropy" in given
+        one_curve = context.has_one_curve(turns=turns, softens="thermal-softening" in given)
+        if (gives in BENDS and one_curve) or (gives == "smooth" and context.has_one_mode):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))

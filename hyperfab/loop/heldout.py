@@ -33,6 +33,12 @@ class HeldOut:
         """Return where the rows of some tests are."""
         return [self.places[test] for test in tests]
 
+    def in_stiffness(self, noise: Noise) -> HeldOut:
+        """Return what of it is as another stiffness of each specimen would be, of which the ``noise`` has some."""
+        off = noise.along_stiffness(self.residual)
+        told = tuple(int(one) for one in np.flatnonzero(np.isfinite(off)))
+        return HeldOut(off, told, np.abs(off), tuple(slice(k, k + 1) for k in range(len(off))))
+
     @property
     def mean_square(self) -> float:
         """Mean square over the rows that count, in squared standard deviations of the noise."""

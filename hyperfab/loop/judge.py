@@ -175,24 +175,31 @@ def correlation_time(residual: Array, curves: Sequence[Curve]) -> float:
 
 def common_bic(fits: Sequence[Fit], problem: Problem, noise: Noise) -> Mapping[tuple[str, ...], float]:
     """Return BIC of several models, by their effects, on one scale: that of the best fit among them."""
-    best = min(fits, key=lambda one: one.chi2)
-    time = correlation_time(best.residual, problem.curves)
-    count = max(len(best.residual) / time, 3.0)
-    return {tuple(one.forms): misfit(one, best, problem, noise, time) + price(one, count) for one in fits}
+    time = correlation_time(min(fits, key=lambda one: one.chi2).residual, problem.curves)
+    count = max(len(problem.measured) / time, 3.0)
+    return {tuple(one.forms): misfit(one, fits, problem, noise, time) + price(one, count) for one in fits}
 
 
-def misfit(fitted: Fit, best: Fit, problem: Problem, noise: Noise, time: float) -> float:
+def misfit(fitted: Fit, fits: Sequence[Fit], problem: Problem, noise: Noise, time: float) -> float:
     """Return minus twice the logarithm of likelihood, as chi-squared, where ``time`` readings count as one.
 
-    But for how far specimens are off in stiffness: each tells that by itself. What ``best`` leaves counts as noise.
+    But for how far specimens are off in stiffness: each tells that by itself. What the best of ``fits`` leaves counts
+    as noise, in stiffness the least that one of them does: that need not be the one that meets most readings.
     """
+    best = min(fits, key=lambda one: one.chi2)
     alike = scaled_chi2(fitted, best, problem.channel) + prior_misfit(fitted, best, problem)
     if not noise.gain_sd:
         return alike / time
-    off, least = (noise.at(one.predicted).along_stiffness(one.residual) for one in (fitted, best))
+    off, least = _of_stiffness(fitted, noise), min(_of_stiffness(one, noise) for one in fits)
     stress = problem.channel == 0
-    alike -= float(off @ off) / max(float(np.mean(best.residual[stress] ** 2)), 1.0)
-    return alike / time + float(off @ off) / max(float(np.mean(least**2)), 1.0)
+    alike -= off / max(float(np.mean(best.residual[stress] ** 2)), 1.0)
+    return alike / time + off / max(least / len(noise.groups), 1.0)
+
+
+def _of_stiffness(fitted: Fit, noise: Noise) -> float:
+    """Return the part of chi-squared that is as another stiffness of specimens would be."""
+    off = noise.at(fitted.predicted).along_stiffness(fitted.residual)
+    return float(off @ off)
 
 
 def price(fitted: Fit, count: float) -> float:

@@ -11,12 +11,12 @@ from scipy.special import chdtrc
 from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit
-from hyperfab.loop.heldout import help_of
+from hyperfab.loop.heldout import Help, help_of
 from hyperfab.loop.judge import correlation_time, misfit, price, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
-from hyperfab.loop.thresholds import MARGIN, SMALL, TOLD, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL, TOLD, UNLIKELY
 from hyperfab.numerics.gram import inverse
 
 #: Refinements of the terms of a model that leaves much.
@@ -203,7 +203,7 @@ class Search:
                 break
             found = min(richer, key=lambda one: one.chi2)
             time = correlation_time(found.residual, self.problem.curves)
-            gain = self._misfit(best, found, time) - self._misfit(found, found, time)
+            gain = self._misfit(best, [found], time) - self._misfit(found, [found], time)
             if gain < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
                 break
             best = found
@@ -233,12 +233,12 @@ class Search:
         count = max(len(best.residual) / time, 3.0)
 
         def bic(one: Fit) -> float:
-            return self._misfit(one, best, time) + price(one, count) + len(one.x) * MARGIN / 4.0
+            return self._misfit(one, fits, time) + price(one, count) + len(one.x) * MARGIN / 4.0
 
         return min(fits, key=bic)
 
-    def _misfit(self, fitted: Fit, best: Fit, time: float) -> float:
-        return misfit(fitted, best, self.problem, self.noise, time)
+    def _misfit(self, fitted: Fit, fits: Sequence[Fit], time: float) -> float:
+        return misfit(fitted, fits, self.problem, self.noise, time)
 
     def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
         forms = {**parent.forms, effect.id: form}
@@ -272,16 +272,17 @@ class Search:
             smaller = self._own_optimum
         old, new = smaller.fit, larger.fit
         time = correlation_time(new.residual, self.problem.curves)
-        gain = self._misfit(old, new, time) - self._misfit(new, new, time)
+        gain = self._misfit(old, [new], time) - self._misfit(new, [new], time)
         gone = old.chi2 - new.chi2
         total = max(old.chi2 - len(old.residual), gone, 1e-9)
         count = max(len(new.residual) / time, 3.0)
         known = [np.arange(c.start, c.stop) for c in self.problem.curves if c.beforehand]
         back = sum(float(np.sum(old.residual[rows] ** 2 - new.residual[rows] ** 2)) for rows in known)
+        stiffness = self._share_of_stiffness(old, new)
         return Evidence(
             delta_bic=gain + price(old, count) - price(new, count),
-            variance_share=max(gone / total, self._share_of_stiffness(old, new)),
-            help=help_of(smaller.held_out, larger.held_out, old.residual**2 - new.residual**2),
+            variance_share=max(gone / total, stiffness),
+            help=self._help(smaller, larger, of_stiffness=stiffness >= SHARE),
             certain=self._certain(smaller, larger),
             restores=back >= max(MARGIN, 0.5 * gone) and larger.judgement.is_noise,
         )
@@ -295,6 +296,20 @@ class Search:
             return 0.0
         before, after = (structured_of_each(one, self.problem, self.noise)[-1] for one in (old, new))
         return float(1.0 - (after / before) ** 2) if before > SMALL else 0.0
+
+    def _help(self, smaller: Candidate, larger: Candidate, *, of_stiffness: bool) -> Help | None:
+        """Return what the terms of ``larger`` that ``smaller`` lacks do for the readings of tests left out.
+
+        Or for how stiff the specimens of these are (``of_stiffness``), where that is more: it is one value of each,
+        which what a law misses in their many readings would hide.
+        """
+        readings = help_of(smaller.held_out, larger.held_out, smaller.fit.residual**2 - larger.fit.residual**2)
+        if readings is None or not of_stiffness:
+            return readings
+        old, new = (self.noise.at(one.fit.predicted) for one in (smaller, larger))
+        gone = old.along_stiffness(smaller.fit.residual) ** 2 - new.along_stiffness(larger.fit.residual) ** 2
+        stiffness = help_of(smaller.held_out.in_stiffness(old), larger.held_out.in_stiffness(new), gone)
+        return readings if stiffness is None else max(readings, stiffness, key=lambda one: one.taken)
 
     def _certain(self, smaller: Candidate, larger: Candidate) -> bool:
         """Whether each new term is two standard deviations from null: some constant of it, or all of them together.

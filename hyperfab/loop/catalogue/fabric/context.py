@@ -90,10 +90,14 @@ class DataContext:
         folded = np.unique(np.minimum(turned, 180.0 - turned).round(6))
         return folded[(folded > 1.0) & (folded < 89.0)]
 
-    @property
-    def has_one_curve(self) -> bool:
-        """Whether all tests are alike but for the specimen, the rate and the amplitude."""
-        return self.has_one_mode and len(self.angles) < 2 and len(self.temperatures) < 2
+    def has_one_curve(self, *, turns: bool, softens: bool) -> bool:
+        """Whether all tests are alike but for the specimen, the rate and the amplitude.
+
+        Those of several directions and temperatures are where nothing ``turns`` with the one or ``softens`` with the
+        other.
+        """
+        several = (turns and len(self.angles) > 1) or (softens and len(self.temperatures) > 1)
+        return self.has_one_mode and not several
 
     @property
     def has_one_mode(self) -> bool:
