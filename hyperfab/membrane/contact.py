@@ -26,16 +26,14 @@ class Terms:
     """What contact adds to Newton's equations at the touching nodes (k of them).
 
     ``force`` (k, 3) [N]: contact force on the sheet; ``right`` (k, 3): addition to the right-hand side beyond the
-    balance of forces; ``blocks`` (k, 3, 3): addition to the diagonal blocks; ``drive`` (k, 3): right-hand side per mm
-    of depth. ``mix`` (k, 3, 3), where there is friction, first multiplies the balance and its stiffness at these
-    nodes: it takes the stiff spring out of the tangential equations, and ``right``, ``blocks`` and ``drive`` are
-    what remains of them.
+    balance of forces; ``blocks`` (k, 3, 3): addition to the diagonal blocks. ``mix`` (k, 3, 3), where there is
+    friction, first multiplies the balance and its stiffness at these nodes: it takes the stiff spring out of the
+    tangential equations, and ``right`` and ``blocks`` are what remains of them.
     """
 
     force: Array
     right: Array
     blocks: Array
-    drive: Array
     mix: Array | None = None
 
 
@@ -104,7 +102,6 @@ class _Sliding:
             force=pressure[:, None] * normal,
             right=-(spring * near.gap)[:, None] * normal,
             blocks=spring[:, None, None] * outer - pressure[:, None, None] * near.turning,
-            drive=(spring * normal[:, 2])[:, None] * normal,
         )
 
 

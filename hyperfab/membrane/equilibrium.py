@@ -227,7 +227,8 @@ class Press:
         system = self._linearise(state.depth, state.places, state.touching, grip, 1e-9, False)
         factor = self._factor(system)
         right = np.zeros_like(state.places)
-        right[system.nodes] = system.terms.drive
+        # Contact hangs on places relative to the punch: as it rises, also the normals of its rounding turn.
+        right[system.nodes] = system.terms.blocks[:, :, 2]
         hold = system.spring[:, None] * system.near.normal[system.nodes]
         rim = np.isin(self.sheet.pattern.rows, self.sheet.mesh.rim)
         lift = np.zeros_like(state.places)

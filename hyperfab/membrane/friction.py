@@ -70,13 +70,10 @@ class _Sticking:
     def terms(self, nodes: Ints, places: Array, pull: Array, near: Nearness, spring: Array) -> Terms:
         away = places - self.anchors[nodes]
         across = away - (away * near.normal).sum(axis=1)[:, None] * near.normal
-        up = np.zeros_like(pull)
-        up[:, 2] = spring
         return Terms(
             force=pull.copy(),
             right=-spring[:, None] * (near.gap[:, None] * near.normal + across),
             blocks=spring[:, None, None] * np.eye(3),
-            drive=up,
         )
 
 
@@ -131,13 +128,10 @@ class _Rubbing:
         )
         force = np.where(stuck[:, None], pull, pressure[:, None] * normal - rub[:, None] * way)
         back = near.gap[:, None] * normal + np.where(stuck[:, None], held_from, 0.0)
-        up = np.array([0.0, 0.0, 1.0])
-        drive = np.where(stuck[:, None], up, normal[:, 2:] * normal)
         return Terms(
             force=force,
             right=-spring[:, None] * back,
             blocks=np.where(stuck[:, None, None], held, sliding),
-            drive=spring[:, None] * drive,
             mix=mix,
         )
 

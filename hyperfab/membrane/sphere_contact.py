@@ -304,6 +304,10 @@ def _fitted(
     told = tests[0].facets is None or len(stages) > 1
     # On facets the force comes to its limit by leaps, not by the order of the elements.
     caution = _CAUTION[tests[0].order] if tests[0].facets is None else min(_CAUTION[tests[0].order], 1.0)
+    # A force that gives way to the depth errs with how soft the sheet is: meshes of their own may err alike there, and
+    # the next one is the same with its sides halved.
+    gives = tolerance is not None and tests[0].facets is None and any(_gives_way(solved) for solved in near)
+    told = told and not (gives and len(stages) == 1)
     triangles: Triangles | None = None
     while True:
         edges = [edge for solved in near if (edge := contact_edge(solved.press, solved.state))]
@@ -321,7 +325,8 @@ def _fitted(
         if len(stages) > 1:
             near, stages = found, stages[1:]
             continue
-        triangles = None
+        if not gives:
+            triangles = None
         errors = [
             abs(new.state.force - old.state.force) / max(abs(new.state.force), 1e-300) / caution
             for new, old in zip(found, near, strict=True)
@@ -333,7 +338,21 @@ def _fitted(
         before = max(errors) if told else np.inf
         if done or level >= _MOST_LEVELS or mesh.unknowns > _MOST_UNKNOWNS:
             return found, level
-        near, level, told = found, level + 1.0, True
+        # Where the next mesh has no equilibrium these stand, without an error that is not to be trusted.
+        near = found if told else [replace(solved, error=None) for solved in found]
+        level, told = level if gives else level + 1.0, True
+
+
+def _gives_way(solved: Solved) -> bool:
+    """Say whether the force grows by less than the depth does, both by their share."""
+    press, state = solved.press, solved.state
+    if state.force == 0.0:
+        return False
+    tangent = press.tangent(state)
+    # In balance the punch pushes as the rim pulls.
+    slope = -press.sheet.mesh.copies * float((tangent.lift * tangent.per_depth).sum())
+    press.sheet.pattern.release()
+    return slope * state.depth < state.force
 
 
 def _stages(test: SphereTest) -> list[float]:

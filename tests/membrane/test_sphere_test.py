@@ -186,6 +186,35 @@ def test_softening_law_turns_back_and_is_unstable_before():
     assert np.hypot(*unstable.at) < 3.0
 
 
+@pytest.mark.parametrize(("depth", "slope"), [(40.0, 1.03816), (110.0, 0.39700)])
+def test_places_move_with_depth_as_from_one_equilibrium_to_the_next(depth, slope):
+    """A velocity for each node; with it the slope of the force, by shooting, also near the greatest force there is."""
+    disc = outline.Disc(100.0, quarter=True)
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    press = Press(Sheet(sheet_mesh(disc, triangulate(disc, uniform(8.0)), 2), law, 1.0), Sphere(40.0))
+    state = cold_start(press, depth)
+    tangent = press.tangent(state)
+    deeper = press.equilibrium(depth + 1e-4, state.places, state.touching)
+    np.testing.assert_allclose(tangent.per_depth, 1e4 * (deeper.places - state.places), atol=1e-4)
+    # In balance the sphere pushes as the rim pulls; between two nodes that come to touch it does so too evenly.
+    risen = -press.sheet.mesh.copies * (tangent.lift * tangent.per_depth).sum()
+    assert risen == pytest.approx(slope, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("law", "depth", "force"),
+    [("softening", 60.0, 25.6078751), ("softening", 60.2, 25.5002782), ("neo-hookean", 120.0, 100.2118114)],
+)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_the_error_told_of_a_force_that_gives_way_is_no_smaller_than_the_error(law, depth, force, seed):
+    """Beyond the greatest force of a path and near its turning point, by shooting; meshes of their own err alike."""
+    last = _press(SOFTENING if law == "softening" else law, [0.7 * depth, depth], seed=seed).solved[-1]
+    error = abs(last.state.force / force - 1.0)
+    assert error <= last.error <= 1e-4
+    assert error < 3e-5
+
+
 @pytest.mark.parametrize("depths", [[150.0, 300.0], [350.0]])
 def test_a_step_however_long_does_not_pass_the_turning_point(depths):
     """Shooting along the meridian: 95.817 N at 123.67 mm, falling to 85.08 N at 146.51 mm."""
