@@ -18,6 +18,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.result import way_out
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.vtu_read import read_vtu
 from hyperfab.surface import Surface
 
 FABRIC = {
@@ -654,6 +655,35 @@ def test_a_disc_is_the_one_of_the_published_loads_and_drapes_again_from_its_docu
     assert drape(*again, mold="fine.stl")[0] == 0
     shallow = json.loads((folder / "again.json").read_text())
     assert (shallow["shape"], shallow["size_mm"]) == ("disc", [200.0, 200.0])
+
+
+def test_a_disc_over_a_ring_lies_flat_inside_it_and_on_its_round(drape, folder):
+    """A torus, 30 and 20 mm, frictionless: by shooting along the meridian from the flat, evenly stretched middle.
+
+    At 30 mm: 17.587857 N, 139.45341 N mm, and 1.0634065 both ways in the middle, which touches nothing.
+    """
+    around, across = np.arange(192) * (2 * np.pi / 192), np.arange(96) * (2 * np.pi / 96)
+    u, v = (angle.ravel() for angle in np.meshgrid(around, across, indexing="ij"))
+    far = 30.0 + 20.0 * np.cos(v)
+    points = np.column_stack([far * np.cos(u), far * np.sin(u), 20.0 * np.sin(v)])
+    number = np.arange(len(points)).reshape(192, 96)
+    a, b = number.ravel(), np.roll(number, -1, 0).ravel()
+    c, d = np.roll(number, (-1, -1), (0, 1)).ravel(), np.roll(number, -1, 1).ravel()
+    faces = np.vstack([np.column_stack(corners) for corners in ((a, b, c), (a, c, d))])
+    (folder / "ring.stl").write_bytes(stl_bytes(points, faces))
+    words = ["--sheet", "membrane", "--shape", "disc", "--size", "200mm", "--grid", "81x81", "--depth", "30mm"]
+    assert drape(*words, "--thickness", "1mm", "-o", "ring.json", mold="ring.stl")[0] == 0
+    document = json.loads((folder / "ring.json").read_text())
+    # Facets inscribed in the round lie up to 0.02 mm inside it.
+    assert document["force_N"] == pytest.approx(17.587857, rel=4e-3)
+    assert document["energy_J"] == pytest.approx(0.13945341, rel=5e-3)
+    grid = read_vtu((folder / "ring.vtu").read_bytes(), "ring.vtu")
+    middle = np.hypot(grid.points[:, 0], grid.points[:, 1]) < 25.0
+    assert np.ptp(grid.points[middle, 2]) < 0.05
+    assert grid.point_data["contact"][middle].sum() == 0
+    cells = grid.points[grid.cells["quad"]].mean(1)
+    inner = np.hypot(cells[:, 0], cells[:, 1]) < 25.0
+    assert grid.cell_data["thickness_mm"][inner] == pytest.approx(np.full(inner.sum(), 1.0634065**-2), rel=1e-3)
 
 
 @pytest.mark.parametrize(

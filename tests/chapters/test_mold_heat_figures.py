@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from hyperfab.chapters.summary import paragraph
 
@@ -161,6 +164,35 @@ def test_a_lump_that_warms_up(tmp_path):
     assert found["power_supplied_W"] == 20.0
     assert found["power_lost_W"]["convection lump.z+"] == pytest.approx(LOSS * rise, rel=1e-4)
     assert found["residual_max_K"] < 1e-3
+
+
+def test_a_film_and_a_heat_capacity_that_follow_temperature(tmp_path):
+    """The time a lump takes is the integral of C(T) / (P - h(T) A (T - 25) - radiation), by quadrature."""
+    (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n25,100\n40,400\n60,450\n90,700\n")
+    (tmp_path / "cp.csv").write_text("temperature [degC],specific heat [J/kg/K]\n20,400\n50,900\n55,500\n90,600\n")
+    text = LUMP.replace('h = "500 W/m^2/K"', 'h = { table = "film.csv" }')
+    text = text.replace('specific_heat = "500 J/kg/K"', 'specific_heat = { table = "cp.csv" }')
+    radiation = '[[radiation]]\non = "lump.x+"\nemissivity = 0.8\nambient = "25 degC"\n'
+    _, found, _ = heat(tmp_path, text.replace("[[probe]]", radiation + "[[probe]]"))
+
+    def lost(celsius):
+        film = np.interp(celsius, [25.0, 40.0, 60.0, 90.0], [100.0, 400.0, 450.0, 700.0]) * (celsius - 25.0)
+        return 4e-4 * (film + 0.8 * 5.670374419e-8 * ((celsius + 273.15) ** 4 - 298.15**4))
+
+    def heavy(celsius):
+        return 0.016 * np.interp(celsius, [20.0, 50.0, 55.0, 90.0], [400.0, 900.0, 500.0, 600.0])
+
+    def took(celsius):
+        corners = [corner for corner in (40.0, 50.0, 55.0, 60.0) if corner < celsius]
+        return quad(lambda t: heavy(t) / (20.0 - lost(t)), 25.0, celsius, points=corners, epsrel=1e-11)[0]
+
+    assert found["warmup_time_s"] == pytest.approx(took(75.0), rel=3e-4)
+    final = brentq(lambda celsius: took(celsius) - 60.0, 76.0, 90.0)
+    assert found["probes"]["core"]["final_degC"] == pytest.approx(final, abs=0.01)
+    stored = quad(heavy, 25.0, final, points=[50.0, 55.0])[0]
+    assert found["energy"]["stored_J"] == pytest.approx(stored, rel=3e-4)
+    assert found["energy"]["lost_J"] == pytest.approx(1200.0 - stored, rel=1e-3)
+    assert found["energy"]["imbalance_relative"] < 1e-12
 
 
 def test_a_heater_that_is_turned_off(tmp_path):
