@@ -15,6 +15,8 @@ _TOGETHER, _MANY = 3, 0.02
 _STARTS, _RINGS = 0.2, 8
 #: Shares of a leap that a swing takes at least, and that a swing which ends takes yet.
 _SWINGS, _OVER = 0.25, 0.1
+#: Share of a leap that the swing back takes at least.
+_DAMPED = 0.5
 
 
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
@@ -45,8 +47,10 @@ def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
 def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list[int]:
     """Return the rows in which the machine rings behind a start, a stop or a turn of its crosshead.
 
-    What is in between has mass: the force swings, against what the specimen does, by ``least`` from row to row: it
-    falls while the stretch goes on, or rises while that stands, and turns twice at least.
+    What is in between has mass: the force swings, against what the specimen does, by ``least`` from row to row, and by
+    half of that back: it falls while the stretch goes on, or rises while that stands, on the way back the other way
+    round, and turns twice at least. What hangs on the load cell shows as the crosshead slows down, a row before that
+    has turned.
 
     >>> time = np.arange(40.0)
     >>> way = np.minimum(1.0 + 0.05 * time, 2.0)
@@ -62,16 +66,22 @@ def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list
     change = side * np.diff(stress)
     speed = step / np.diff(time)
     begins = np.flatnonzero(np.abs(np.diff(speed, prepend=0.0)) > _STARTS * pace(step, np.diff(time)))
-    going = step > SMALL_STEP * float(np.ptp(way))
-    against = np.where(going, -change, change)
+    moves = np.abs(step) > SMALL_STEP * float(np.ptp(way))
+    last_move = np.maximum.accumulate(np.where(moves, np.arange(len(step)), -1))
+    onward = np.where(last_move < 0, 1.0, np.sign(step[last_move]))
+    # Held behind a pull the specimen relaxes, held behind its way back it recovers.
+    against = np.where(moves, -onward * change, onward * change)
     found: set[int] = set()
     for row in begins:
-        near = slice(int(row), int(row) + _RINGS)
+        first = max(int(row) - 1, 0)  # the reading in which the speed changes has swung already
+        near = slice(first, int(row) + _RINGS)
         swings = np.sign(change[near][np.abs(change[near]) > _SWINGS * least])
-        if row:
-            swings = np.append(np.sign(change[row - 1]), swings)
-        if np.count_nonzero(against[near] > least) > 1 and np.count_nonzero(np.diff(swings)) > 1:
+        if first:
+            swings = np.append(np.sign(change[first - 1]), swings)
+        # What swings back is damped by then.
+        swung = against[near].max() > least and np.count_nonzero(against[near] > _DAMPED * least) > 1
+        if swung and np.count_nonzero(np.diff(swings)) > 1:
             # The last swing is over a row behind the last that goes against the specimen, by however little.
-            last = int(row) + int(np.flatnonzero(against[near] > _OVER * least)[-1]) + 2
+            last = first + int(np.flatnonzero(against[near] > _OVER * least)[-1]) + 2
             found |= set(range(max(int(row), 1), min(last + 1, len(way))))
     return sorted(found)

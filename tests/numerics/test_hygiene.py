@@ -297,3 +297,27 @@ def test_fast_cycles_do_not_ring(noise: float) -> None:
     loading = np.gradient(stretch) > 0.0
     stress = (stretch - stretch**-2) * np.where(loading, 1.0, 0.7) + noise * draw.normal(size=400)
     assert not [doubt for doubt in look(stretch, stress, time=time) if doubt.kind == "ringing"]
+
+
+@pytest.mark.parametrize("resolution", [0.0, 0.013])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_what_hangs_on_the_load_cell_is_told_where_fast_cycles_turn(sign: float, resolution: float) -> None:
+    time = 0.02 * np.arange(460.0)
+    turn = 4.0
+    phase = (time / turn) % 2.0
+    # A crosshead turns within some rows.
+    stretch = 1.0 + 0.44 * np.convolve(np.pad(1.0 - np.abs(phase - 1.0), 1, mode="edge"), [0.25, 0.5, 0.25], "valid")
+    up = np.gradient(stretch) > 0.0
+    stress = (stretch - stretch**-2) * np.where(up, 1.0, 0.95)
+    read = stress.copy()
+    for row, push in ((199, -1.0), (399, 1.0)):  # it slows down in the row in which it still goes on
+        read[row : row + 3] += 0.15 * stress.max() * push * np.array([0.95, 1.0, 0.25])
+
+    def coarse(values: Array) -> Array:
+        step = resolution * stress.max()
+        return values if step == 0.0 else step * np.round(values / step)
+
+    assert not [one for one in look(stretch, sign * coarse(stress), time=time) if one.kind == "ringing"]
+    [told] = [one for one in look(stretch, sign * coarse(read), time=time) if one.kind == "ringing"]
+    assert {199, 200, 201, 399, 400, 401} <= set(told.rows)
+    assert all(197 <= row < 206 or 397 <= row < 406 for row in told.rows)
