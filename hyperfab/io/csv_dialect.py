@@ -299,12 +299,12 @@ def _headless(rows: list[Row], name: str) -> InputError:
     names = [("1", shape(one, stress=two)), ("2", "stress [MPa]")]
     if names[0][1] != "stretch" and is_one_at_rest(two, one):
         names = [("1", "stress [MPa]"), ("2", "stretch")]
-    filled = filled_in(names)
     return InputError(
         "starts with numbers, there is no header",
         file=name,
         line=rows[0][0],
-        remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled}',
+        remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled_in(names)} '
+        "(of a machine's own readings extension [mm] and force [N], whichever stands first)",
     )
 
 

@@ -21,13 +21,17 @@ from hyperfab.io.units import KINDS
 
 @dataclass(frozen=True)
 class Table:
-    """Columns in the unit of their kind, the source line of each row, and the metadata of the file ``name``."""
+    """Columns in the unit of their kind, the source line of each row, and the metadata of the file ``name``.
+
+    ``aside`` are the titles of the columns with cells that nothing was taken from, and nobody set aside.
+    """
 
     name: str
     columns: dict[str, NDArray[np.float64]]
     lines: NDArray[np.int64]
     metadata: dict[str, str]
     left_out: Mapping[str, int] = field(default_factory=dict)
+    aside: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         return self.columns[name]
@@ -91,8 +95,10 @@ def read_table(
             # Of what the command line says to be of that kind the title still tells whose it is.
             told = titles.heading(heading.title, heading.index) if heading.name == rest else heading
             wanted[told.label] = (heading, rest)
-        if len(wanted) == len(taken):
-            raise _none_of(sheet, rest, called, {**columns, **(optional or {})})
+        probes = {one.casefold() for one in called}
+        bare = [one for one in _unread(sheet, wanted) if one.unit is None and one.name in probes]
+        if len(wanted) == len(taken) or bare:
+            raise _none_of(sheet, rest, called, {**columns, **(optional or {})}, len(wanted) > len(taken))
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
     named = {**columns, **(optional or {})}
     values = {
@@ -104,7 +110,15 @@ def read_table(
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
-    return Table(name, values, np.array(sheet.lines, dtype=np.int64), metadata, sheet.left_out)
+    lines = np.array(sheet.lines, dtype=np.int64)
+    return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+
+
+def _unread(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> list[Heading]:
+    """Return the columns with cells that nothing is taken from, and nobody set aside."""
+    taken = {heading.index for heading, _ in wanted.values()}
+    heads = [one for one in sheet.headings if one.index not in taken and one.name not in ("", "aside")]
+    return [one for one in heads if any(sheet.columns[one.index])]
 
 
 def _kind(asked: str) -> str:
@@ -126,14 +140,15 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     return found
 
 
-def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[str, str]) -> InputError:
-    """Return the error that no column is of a kind: with their unit filled in where some are called as expected."""
+def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[str, str], some: bool) -> InputError:
+    """Return the error that no column is of a kind, or not all that are called as expected, where ``some`` are: with
+    their unit filled in."""
     unit, known = KINDS[rest].unit, {one.casefold() for one in called}
     bare = [one for one in sheet.headings if one.unit is None]
     own = [(one.title, f"{rest} [{unit}]") for one in bare if one.name in known]
     others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in bare if one.name in asked]
     return sheet.wrong(
-        f"has no column of a {rest}",
+        f"has no column of a {rest}" if not some else f"{own[0][0]} has no unit of a {rest}, which others have",
         remedy=f"say {sheet.option([*others, *own])}" if own else f'name one a probe, as in "T1 [{unit}]"',
     )
 

@@ -17,7 +17,7 @@ COLUMNS: dict[str, str] = {
         nenndehnung; feindehnung;
         verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
         technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion; deformacion
-        nominal; deformacion ingenieril; deformation; deformation nominale; deformation axiale; deformation en
+        nominal; deformacion ingenieril; deform; deformation; deformation nominale; deformation axiale; deformation en
         traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a trazione;
         deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
@@ -81,8 +81,8 @@ COLUMNS: dict[str, str] = {
         cisaillement; sforzo di taglio; tensione di taglio; tensao de cisalhamento; tensao cisalhante""",
     "stress sd": """stress sd; stress std; sd stress; std stress; stress stdev; standard deviation of stress; spannung
         sd; membrane stress sd""",
-    "time": """time; t; elapsed time; test time; total time; running time; run time; time stamp; timestamp; step time;
-        zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo; tiempo de ensayo; tiempo
+    "time": """time; t; elapsed; elapsed time; test time; total time; running time; run time; time stamp; timestamp;
+        step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo; tiempo de ensayo; tiempo
         transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova; tempo trascorso; tempo de
         ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время""",
     "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
@@ -240,8 +240,9 @@ SETTINGS: dict[str, str] = {
         altura de la probeta; hauteur; hauteur de l eprouvette; altezza; altezza del provino""",
     "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
         diametre; diametre de l eprouvette; 直径; диаметр""",
-    "area": """area; specimen area; sample area; cross section;
-        cross sectional area; cross section area; initial area; s0; querschnitt;
+    "area": """area; specimen area; sample area; cross section; specimen cross section;
+        specimen cross sectional area; sample cross section; cross sectional area; cross section area; initial area;
+        s0; querschnitt;
         querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion; area de la seccion; area inicial;
         seccion transversal; section; section initiale; aire; sezione; area iniziale; secao; secao transversal;
         断面積; площадь""",
@@ -286,7 +287,7 @@ TESTS: dict[str, str] = {
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
-        longitudinal direction; kette;
+        longitudinal direction; calendering; calender direction; calendering direction; kette;
         kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
         columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;

@@ -8,12 +8,12 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.kinds_of_tests import is_pulled
-from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
+from hyperfab.io.roles import STRESSES, STRETCHES, STRONGEST, Column, Roles
 
 #: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
 #: test, in MPa or N/mm.
 LARGEST_STRETCH = 50.0
-PEAK_STRESS = (1e-9, 1e6)
+PEAK_STRESS = (1e-9, STRONGEST)
 #: Up to this share of the rows of a push may read tension.
 _FEW = 0.1
 

@@ -237,11 +237,15 @@ class _Reader:
             return values / length
         if length is None:
             self.specimen.refuse_untaken("gauge length", "grip distance")
+            pressed = self.pressed or column.compressive
+            force = self.roles.first(STRESSES, " 2" if column.name.endswith(" 2") else "")
+            too = force is not None and force.name.startswith("force") and not self.specimen.tells_section(axis)
             raise InputError(
                 "needs the gauge length to become a stretch",
                 file=self.sheet.name,
                 column=head.title,
-                remedy=perhaps_gauge_length(self.sheet, self.specimen.decimal, self.pressed or column.compressive),
+                remedy=perhaps_gauge_length(self.sheet, self.specimen.decimal, pressed)
+                + (f"; {force.heading.title} needs a width too, --width 25mm" if force is not None and too else ""),
             )
         values = self._signed(values, column)
         if sizes.gauge_length is None and axis and sizes.diameter is None:
@@ -272,7 +276,7 @@ class _Reader:
         self.used.append(column)
         name, head = column.name.removesuffix(" 2"), column.heading
         if head.unit is None:
-            raise no_unit(self.sheet, column, self.roles, f"{head.title} [{'N' if name == 'force' else 'MPa'}]")
+            raise no_unit(self.sheet, column, self.roles)
         deviation = self.roles.columns.get("stress sd") if not place else None
         kind, per_width = ("membrane-stress", True) if name == "membrane stress" else ("stress", False)
         found = self._signed(self._values(column, "force" if name == "force" else kind, name), column)

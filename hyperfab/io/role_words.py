@@ -7,12 +7,12 @@ import shlex
 from collections.abc import Iterable, Sequence
 
 from hyperfab.errors import InputError
-from hyperfab.io.cells import is_length, is_number, shape
+from hyperfab.io.cells import is_length, is_number, plain_values, shape
 from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, measured
 from hyperfab.io.headings import KIND, Heading, is_of, is_unread, meaning
-from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, Column, Roles, state_of
+from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, STRONGEST, Column, Roles, state_of
 from hyperfab.io.titles import heading, unit_of, unread_unit
 from hyperfab.io.units import is_unit
 
@@ -138,15 +138,16 @@ def unitless(sheet: CsvSheet, columns: Sequence[Column]) -> str:
 
 
 def no_unit(sheet: CsvSheet, column: Column, roles: Roles, example: str = "") -> InputError:
-    """Return the error that a column lacks its unit, with an example of it and the option that gives it."""
+    """Return the error that a column lacks its unit, with an ``example`` of it, or its title with the unit that is
+    likely, and the option that gives it."""
     name = column.name.removesuffix(" 2")
     if (unit := unread_unit(column.heading)) is not None:
         return other_unit(sheet, column.heading, unit, KIND[name], column.name)
+    example = example or f"{column.heading.title} [{_likely_unit(sheet, column)}]"
     return sheet.wrong(
         "has no unit",
         column.heading,
-        remedy=f'write it behind the name, as in "{example or f"{column.heading.title} [mm]"}", or say '
-        f"{unitless(sheet, [*roles.columns.values()])}",
+        remedy=f'write it behind the name, as in "{example}", or say {unitless(sheet, [*roles.columns.values()])}',
     )
 
 
@@ -155,8 +156,11 @@ def _likely_unit(sheet: CsvSheet, column: Column) -> str:
         cell = next((one for one in sheet.columns[column.heading.index] if is_number(one)), "0").replace(",", ".")
         return "K" if re.fullmatch(r"\d+\.?\d*", cell) and float(cell) > 180.0 else "degC"
     name = column.name.removesuffix(" 2")
+    cells = sheet.columns[column.heading.index]
     if name == "strain":  # per cent, or a share: by its size
-        return "%" if shape(sheet.columns[column.heading.index]) == "strain [%]" else "-"
+        return "%" if shape(cells) == "strain [%]" else "-"
+    if _USUAL.get(name) == "MPa" and max(map(abs, plain_values(cells)), default=0.0) > STRONGEST:
+        return "Pa"
     return _USUAL.get(name, "-")
 
 

@@ -57,6 +57,11 @@ class Specimen:
         """Return a length [mm] that the file states, or None."""
         return amount(self.sheet, key, "length", self.decimal, [])
 
+    def tells_section(self, axis: str) -> bool:
+        """Return whether a size is known that a force along an ``axis``, 1 or 2 in a biaxial test, can be over."""
+        sizes = self.sizes
+        return self.along(axis, "width") is not None or (sizes.area or sizes.diameter) is not None
+
     def refuse_untaken(self, *keys: str) -> None:
         """InputError where the file states a size that is needed and cannot be taken."""
         for key in keys:

@@ -39,12 +39,14 @@ def keep_readings(block: Block, name: str, separator: str) -> None:
     while len(reading) > 2 and _is_remark([block.rows[k][1] for k in reading]):
         reading.pop()
     last = reading[-1] if reading else -1
+    # What the first row alone goes on to is of the specimen; writers leave off the empty cells behind a row.
+    filled = max(len(block.rows[k][1]) for k in reading[1:]) if len(reading) > 2 else width
     for place, (line, cells) in enumerate(block.rows):
         if not any(cells):
             block.left_out["blank row"] += 1
         elif place <= last and _reads(cells, block.headings, place in named):
             waiting = _settled(waiting, block, name)
-            kept.append((line, _fitted(cells, width, block.headings, line, separator, name)))
+            kept.append((line, _fitted(cells, width, block.headings[:filled], line, separator, name)))
         elif place > last or is_closing(next(cell for cell in cells if cell)):
             block.left_out["closing row, no reading"] += 1
             block.words.append(next(cell for cell in cells if cell)[:40])
@@ -133,7 +135,7 @@ def _reads(cells: Sequence[str], heads: Sequence[Heading], named: bool) -> bool:
 
 
 def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str) -> list[str]:
-    """Return a row as wide as the head; InputError where cells lack or are too many."""
+    """Return a row as wide as the head; InputError where cells that ``heads`` need lack, or are too many."""
     if len(cells) == width:
         return cells
     if len(cells) > width and not any(cells[width:]):

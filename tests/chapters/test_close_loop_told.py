@@ -131,6 +131,16 @@ def test_what_no_law_knows_is_named(hf: Run, model: Path) -> None:
     assert any("humidity" in one for one in found["warnings"])
 
 
+def test_what_all_tests_state_alike_is_no_state_that_anything_rides_on(hf: Run, model: Path) -> None:
+    head = "# load cell: 100 N\n# humidity: {} %"
+    files = [write(model, f"{h}.csv", seed=h, head=head.format(h)) for h in (40, 65)]
+    found, told = closed(hf, model, files)
+    assert "no law knows 40.csv: humidity, 65.csv: humidity: taken as states" in " ".join(found["warnings"])
+    assert "stated alike by all tests, and not used: load cell" in told
+    alone, _ = closed(hf, model, files[:1])
+    assert not any("no law knows" in one for one in alone["warnings"])
+
+
 def test_a_state_that_no_law_knows_is_what_the_rest_rides_on(hf: Run, model: Path) -> None:
     wet = [(35, 1.25), (45, 1.1), (55, 0.9), (65, 0.75)]
     files = [

@@ -160,3 +160,25 @@ def test_a_column_without_a_title_is_proposed_by_its_number() -> None:
         read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout())
     table = read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["#1=time [s]"]))
     assert table["time"].tolist() == [0.0, 60.0]
+
+
+def test_a_probe_without_a_unit_beside_others_that_have_one_is_asked_for() -> None:
+    def read(*columns: str) -> Table:
+        data = b"Elapsed (min);T1 (\xc2\xb0C);T2;Room\n0;25,1;24,1;20\n1;31,5;24,5;20\n"
+        return read_table(
+            data, "t.csv", {"time": "time"}, rest="temperature", called=["T1", "T2"], layout=layout(columns)
+        )
+
+    with pytest.raises(InputError, match="T2 has no unit of a temperature, which others have") as caught:
+        read()
+    assert '--columns "T2=temperature [degC]"' in str(caught.value)
+    table = read("T2=temperature [degC]")
+    assert (table["time"].tolist(), table["T2"].tolist()) == ([0.0, 60.0], [24.1, 24.5])
+    assert table.aside == ("Room",)
+    assert read("T2=aside").aside == ("Room",)
+
+
+def test_constants_beside_the_first_row_alone_do_not_make_the_others_short() -> None:
+    data = b"time [s],T1 [degC],Material_rho,Length\n0,25,7850,0.01\n60,31.5\n120,33\n"
+    table = read_table(data, "t.csv", {"time": "time"}, rest="temperature")
+    assert table["T1"].tolist() == [25, 31.5, 33]

@@ -328,7 +328,7 @@ def test_a_file_that_names_no_test_is_asked_for_one() -> None:
 
 @given(
     st.lists(
-        st.tuples(st.floats(1.0, 9.0), st.floats(1e-6, 1e5)),
+        st.tuples(st.floats(1.0, 9.0), st.floats(1e-6, 1e4)),
         min_size=2,
         max_size=9,
     ).filter(lambda rows: len({row[0] for row in rows}) > 1),
@@ -351,6 +351,7 @@ def test_every_double_survives_every_dialect(
     ("row", "said"),
     [
         ("1.2,2e300", "line 3: no fabric carries 2e\\+300 MPa"),
+        ("1.2,90000", "line 3: no fabric carries 90000 MPa"),
         ("1e100,1", "line 3: no fabric reaches a stretch of 1e\\+100"),
         ("1e-100,-1", "line 3: no fabric reaches a stretch of 1e-100"),
     ],

@@ -279,6 +279,7 @@ def test_a_second_column_of_the_same_that_is_not_taken_is_told() -> None:
         "Crosshead (mm),Extensometer elongation (mm)",
         "Crosshead (mm),Laser extensometer (mm)",
         "Crosshead (mm),Clip-on extensometer (mm)",
+        "C_1_Déplacement[mm],C_1_Déform1[mm]",
     ],
 )
 def test_an_elongation_of_an_extensometer_beside_that_of_the_machine_is_asked_about(heads: str) -> None:
@@ -293,3 +294,15 @@ def test_cycles_that_are_counted_in_parts_are_whole_ones_done() -> None:
     assert found.cycle.tolist() == [0, 0, 0, 1, 1]
     with pytest.raises(InputError, match="no cycle number"):
         read_tests(f"{head}1,0.1,0\n2,0.2,0.1\n3,0.3,0.2\n".encode(), "a.csv")
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1e6, "Pa"), (1.0, "MPa")])
+def test_a_stress_without_a_unit_is_proposed_in_the_one_it_can_have(scale: float, unit: str) -> None:
+    rows = "".join(f"{0.1 * k:.1f},{scale * 0.05 * k:.4g}\n" for k in range(1, 9))
+    with pytest.raises(InputError) as caught:
+        read_tests(f"# test: uniaxial\nstrain,stress\n{rows}".encode(), "a.csv")
+    assert f'as in "stress [{unit}]", or say --columns "stress=stress [{unit}]"' in str(caught.value)
+    [found] = read_tests(
+        f"# test: uniaxial\nstrain,stress\n{rows}".encode(), "a.csv", columns=layout([f"stress=stress [{unit}]"])
+    )
+    assert found.stress.max() == pytest.approx(0.4)

@@ -146,7 +146,8 @@ def test_titles_that_only_say_which_are_stresses_by_their_unit(
     assert [None if one.temperature_degC is None else one.temperature_degC[0] for one in found] == temperatures
 
 
-def test_titles_that_only_say_which_are_all_proposed_as_stresses() -> None:
-    found = as_told(table("x,warp,transverse", STRAIN, *PULLS))
+@pytest.mark.parametrize("one", ["warp", "calendering"])
+def test_titles_that_only_say_which_are_all_proposed_as_stresses(one: str) -> None:
+    found = as_told(table(f"x,{one},transverse", STRAIN, *PULLS))
     same(found)
     assert [one.direction for one in found] == [0.0, 90.0]

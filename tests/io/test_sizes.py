@@ -228,3 +228,37 @@ def test_an_area_under_its_group_is_the_section() -> None:
     text = f"Abmessung : Querschnitt;40,0;mm^2\nAbmessung : Messlänge;100,0;mm\n\nTraversenweg;Last\n(mm);(N)\n{rows}"
     [found] = read(text, test="uniaxial")
     assert found.stress.tolist() == pytest.approx([force / 40.0 for _, force in ROWS])
+
+
+def test_the_cross_section_of_a_specimen_is_its_area() -> None:
+    rows = "".join(f"{way:g},{force:g}\n" for way, force in ROWS)
+    text = f"Specimen Cross-section (cm^2),0.4\nGauge length (mm),100\n\nExtension [mm],Load [N]\n{rows}"
+    [found] = read(text, test="uniaxial")
+    assert found.stress.tolist() == pytest.approx([force / 40.0 for _, force in ROWS])
+
+
+@pytest.mark.parametrize(
+    ("stated", "asked"),
+    [
+        ("", ["--gauge-length 50mm", "Load [N] needs a width too, --width 25mm"]),
+        ("# width: 50 mm\n", ["--gauge-length 50mm"]),
+        ("# area: 40 mm2\n", ["--gauge-length 50mm"]),
+        ("# diameter: 8 mm\n", ["--gauge-length 50mm"]),
+    ],
+)
+def test_sizes_that_lack_are_asked_for_together(stated: str, asked: list[str]) -> None:
+    rows = "".join(f"{way:g},{force:g}\n" for way, force in ROWS)
+    with pytest.raises(InputError) as caught:
+        read(f"# test: uniaxial\n{stated}Extension [mm],Load [N]\n{rows}")
+    assert all(one in str(caught.value) for one in asked)
+    assert ("--width" in str(caught.value)) is (len(asked) == 2)
+
+
+def test_rows_may_leave_off_the_cells_that_the_first_one_alone_has() -> None:
+    head = "Extension [mm],Load [N],width_mm,thickness_mm,gauge length [mm]"
+    rows = "".join(f"{way},{force}{',50,0.8,100' if k == 0 else ''}\n" for k, (way, force) in enumerate(ROWS))
+    [found] = read(f"Tensile test\n{head}\n{rows}")
+    assert is_strip(found)
+    cut = "".join(f"{way},{force},7\n" for way, force in ROWS[:-1])
+    with pytest.raises(InputError, match="has 1 cells, the header has 3"):
+        read(f"# test: uniaxial\n# width: 50 mm\n# gauge length: 100 mm\nExtension [mm],Load [N],No\n{cut}30\n")

@@ -93,9 +93,14 @@ def read_measured(
                 remedy="export the reading of the load cell",
             )
     every = _sound(every, found)
-    told = {f"{test.source}: {key}" for test in every for key in states(test)}
-    if told:
-        found.warnings.append(f"no law knows {', '.join(sorted(told))}: taken as states that what is left may ride on")
+    stated = [states(test) for test in every]
+    told = {(test.source, key) for test, own in zip(every, stated, strict=True) for key in own}
+    # What is the same in all tests tells none of them apart.
+    one = {key for _, key in told if len({own.get(key) for own in stated}) == 1}
+    if rides := sorted(f"{source}: {key}" for source, key in told if key not in one):
+        found.warnings.append(f"no law knows {', '.join(rides)}: taken as states that what is left may ride on")
+    if one:
+        job.console.note(f"stated alike by all tests, and not used: {', '.join(sorted(one))}")
     for test in every:
         if test.mode not in carries:
             kind = test.mode.replace("-", " ")

@@ -281,6 +281,8 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
         layout=layout,
         gaps=True,
     )
+    if table.aside:
+        job.console.note(f"{name}: columns not used: {', '.join(table.aside)}")
     known = {probe.casefold(): probe for probe in probes}
     columns = [column for column in table.columns if column not in ("time", "power")]
     strange = [column for column in columns if column.casefold() not in known]
