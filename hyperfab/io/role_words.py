@@ -67,6 +67,8 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for name, column in found.columns.items():
         unit = column.heading.unit or _likely_unit(sheet, column)
         have.add(name)
+        if sheet.layout.choice(column.heading, sheet.headings) is not None:
+            continue  # the command line says it
         if column.heading.unit is None and name.removesuffix(" 2") in _USUAL and not unread_unit(column.heading):
             entries[column.heading.index] = (column.heading.title, f"{name} [{unit}]")
     numeric = [

@@ -346,3 +346,11 @@ def test_two_closing_rows_below_longer_specimens_stay_closing_rows() -> None:
     rows = "A,20,0.1\nA,40,0.2\nA,60,0.3\nMean,40,0.2\nMean,50,0.3\nMax,60,0.3\n"
     [found] = read_tests(f"# test: uniaxial\nSample,Strain (%),Stress (MPa)\n{rows}".encode(), "a.csv")
     assert (len(found.stretch), found.left_out) == (3, {"closing row, no reading": 3})
+
+
+def test_what_was_said_of_columns_by_number_is_not_proposed_again_without_a_title() -> None:
+    rows = b"0.0,0.0\n0.1,0.2\n0.2,0.5\n0.3,0.9\n"
+    with pytest.raises(InputError, match="no column gives a shear strain") as caught:
+        read_tests(rows, "a.csv", test="simple-shear", columns=layout(["1=stretch,2=stress [kPa]"]))
+    assert '--columns "1=stretch,2=stress [kPa]' not in str(caught.value)
+    assert '"shear strain"' in str(caught.value)

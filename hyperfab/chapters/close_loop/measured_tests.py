@@ -100,7 +100,7 @@ def read_measured(
     if rides := sorted(f"{source}: {key}" for source, key in told if key not in one):
         found.warnings.append(f"no law knows {', '.join(rides)}: taken as states that what is left may ride on")
     if one:
-        job.console.note(f"stated alike by all tests, and not used: {', '.join(sorted(one))}")
+        job.console.note(f"stated and not used: {', '.join(sorted(one))}")
     for test in every:
         if test.mode not in carries:
             kind = test.mode.replace("-", " ")
