@@ -66,11 +66,11 @@ class PressProblem(Problem):
 
     def changes(self, terms: Mapping[str, tuple[str, Array]]) -> Changes:
         """Return what ``terms`` change of the press."""
-        found = Changes()
+        found = Changes.of(self.amounts(terms))
         for name, (form, values) in terms.items():
             effect = self.effect(name)
-            assert isinstance(effect, PressEffect)
-            effect.move(found, effect.form(form).named(values))
+            if isinstance(effect, PressEffect):
+                effect.move(found, effect.form(form).named(values))
         return found
 
     def _moved(self, value: Mapping[str, float], changes: Changes, warmth: Warmth | None = None) -> Moved:

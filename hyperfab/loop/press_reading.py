@@ -117,6 +117,23 @@ class Changes:
     stays: Array = field(default_factory=lambda: np.zeros(2))
     left: list[Callable[[Reading], Array | float]] = field(default_factory=list)
 
+    @classmethod
+    def of(cls, amounts: Mapping[str, float]) -> Changes:
+        """Return what amounts at places change: those of ``Problem.amounts``."""
+
+        def at(*places: str) -> Array:
+            return np.array([amounts.get(place, 0.0) for place in places])
+
+        return cls(
+            tilt=np.radians(at("tilt_x_deg", "tilt_y_deg")),
+            offset=at("offset_x_mm", "offset_y_mm"),
+            strain=at("strain_male", "strain_female"),
+            lost=amounts.get("lost", 0.0),
+            uneven={name.removeprefix("uneven."): v for name, v in amounts.items() if name.startswith("uneven.")},
+            compliance=1e-3 * amounts.get("compliance_mm_kN", 0.0),
+            stays=at("stays", "stays_more"),
+        )
+
     @property
     def settings(self) -> Array:
         """How both molds stand: tilts, strains and offsets (6,), as ``PressTable.moved`` takes them."""

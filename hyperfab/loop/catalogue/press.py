@@ -17,8 +17,8 @@ from hyperfab.pressing import foam_law
 
 @dataclass(frozen=True, kw_only=True)
 class PressEffect(Effect):
-    """An entry that says itself what it changes of a press: ``move`` adds that where the entry's constants have these
-    values by name; a simpler form has fewer."""
+    """An entry that is more than amounts at places: ``move`` adds to a press what it changes of it where the entry's
+    constants have these values by name; a simpler form has fewer."""
 
     move: Callable[[Changes, Mapping[str, float]], None]
 
@@ -60,8 +60,8 @@ class DataContext:
     formed: bool = False
 
 
-def entries(context: DataContext) -> tuple[PressEffect, ...]:
-    """Return what may lack, scaled to the data."""
+def entries(context: DataContext) -> tuple[Effect, ...]:
+    """Return what may lack, scaled to the data; places are those of ``Changes.of``."""
     return (
         fabric_compression(context),
         foam_relaxation(context),
@@ -142,21 +142,16 @@ def _fade(press: Changes, at: Mapping[str, float]) -> None:
     press.left.append(left)
 
 
-def foam_shrinkage() -> PressEffect:
+def foam_shrinkage() -> Effect:
     """Foam that has lost thickness to heat, ``shrinkage`` of foam.toml: a share of its thickness."""
-    amount = Constant("amount", 0.0, 0.0, 0.8, 0.02)
-    return PressEffect(
+    amount = Constant("amount", 0.0, 0.0, 0.8, 0.02, places=("lost",))
+    return Effect(
         id="foam-shrinkage",
         title="the foam has shrunk",
         shown_by="the thickness of the foam before and after it was heated without load",
         source="ASTM D2126: response of rigid cellular plastics to heat",
         forms=(Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),)),),
-        move=_shrink,
     )
-
-
-def _shrink(press: Changes, at: Mapping[str, float]) -> None:
-    press.lost += at["amount"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,24 +206,25 @@ def _soften(law_degC: float, molds_degC: float, press: Changes, at: Mapping[str,
     press.left.append(left)
 
 
-def frame_compliance(context: DataContext) -> PressEffect:
+def frame_compliance(context: DataContext) -> Effect:
     """A press that yields under its force, ``[press] stiffness`` of foam.toml: the frame opens in proportion to it."""
     whole = 1e3 * context.travel_mm / context.force_N
     unread = context.forced and not context.strokes
-    compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole)
-    return PressEffect(
+    compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole, places=("compliance_mm_kN",))
+    return Effect(
         id="frame-compliance",
         title="the frame of the press yields",
         not_sought="the press is set by its force, and no stroke was read" if unread else "",
         shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
         source="a linear spring in series",
         forms=(Form("spring", (compliance,), ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),)),),
-        move=_yield,
     )
 
 
-def _yield(press: Changes, at: Mapping[str, float]) -> None:
-    press.compliance += 1e-3 * at["compliance_mm_kN"]
+def _along_both(name: str, step: float) -> tuple[Constant, ...]:
+    """Return a constant of that name for each of the two axes across, added where it is called so."""
+    names = (name.format(axis) for axis in "xy")
+    return tuple(Constant(one, 0.0, -5.0, 5.0, step, places=(one,)) for one in names)
 
 
 def _both_ways(much: float) -> tuple[tuple[float, float], ...]:
@@ -236,32 +232,27 @@ def _both_ways(much: float) -> tuple[tuple[float, float], ...]:
     return (much, 0.0), (0.0, much), (-much, 0.0), (0.0, -much)
 
 
-def lateral_shift() -> PressEffect:
+def lateral_shift() -> Effect:
     """A female mounted off the male's axis, ``[press] offset`` of foam.toml: a displacement along each of the two axes
     across the closing axis."""
     some = 0.1
-    both = tuple(Constant(f"offset_{name}_mm", 0.0, -5.0, 5.0, 0.5 * some) for name in "xy")
-    return PressEffect(
+    both = _along_both("offset_{}_mm", 0.5 * some)
+    return Effect(
         id="lateral-shift",
         title="the molds are mounted off each other's axis",
         shown_by="the thickness on opposite flanks, and a dial gauge on the mounting face, which a tilt moves",
         source="rigid displacement",
         forms=(Form("displacement", both, _both_ways(2.0 * some), ((some, 0.0), (0.0, some))),),
-        move=_shift,
     )
 
 
-def _shift(press: Changes, at: Mapping[str, float]) -> None:
-    press.offset += np.array([at["offset_x_mm"], at["offset_y_mm"]])
-
-
-def set_of_foam(context: DataContext) -> PressEffect:
+def set_of_foam(context: DataContext) -> Effect:
     """Foam that does not spring back from all of its compression, ``set`` of foam.toml: a share of the strain, the same
     of all or going with the strain."""
     reason = HAS_IT if context.foam.sets else ""
-    share = Constant("share", 0.0, -1.0, 1.0, 0.05)
-    more = Constant("share_more", 0.0, -1.0, 1.0, 0.05)
-    return PressEffect(
+    share = Constant("share", 0.0, -1.0, 1.0, 0.05, places=("stays",))
+    more = Constant("share_more", 0.0, -1.0, 1.0, 0.05, places=("stays_more",))
+    return Effect(
         id="set",
         title="a share of the foam's compression stays",
         not_sought=reason if context.formed else "no thickness was read after the press had opened",
@@ -271,21 +262,16 @@ def set_of_foam(context: DataContext) -> PressEffect:
             Form("share", (share,), ((0.3,), (0.8,)), ((0.05,),)),
             Form("with strain", (share, more), ((0.3, 0.0),), ((0.0, 0.05),), refines="share"),
         ),
-        move=_keep,
     )
 
 
-def _keep(press: Changes, at: Mapping[str, float]) -> None:
-    press.stays += np.array([at["share"], at.get("share_more", 0.0)])
-
-
-def thermal_expansion() -> PressEffect:
+def thermal_expansion() -> Effect:
     """Molds that have grown with heat, ``expansion`` of foam.toml and the temperature of the press: thermal strain of
     both, or of each, beyond what the model has."""
     # 23e-6 1/K: aluminium, 100 K.
-    strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4)
-    more = Constant("female_more", 0.0, -0.03, 0.03, 2e-4)
-    return PressEffect(
+    strain = Constant("strain", 0.0, -0.03, 0.03, 2e-4, places=("strain_male", "strain_female"))
+    more = Constant("female_more", 0.0, -0.03, 0.03, 2e-4, places=("strain_female",))
+    return Effect(
         id="thermal-expansion",
         title="the molds have grown with heat",
         shown_by="the thickness of the sandwich on top and on the flanks, cold and hot",
@@ -294,26 +280,21 @@ def thermal_expansion() -> PressEffect:
             Form("both molds", (strain,), ((2e-3,), (-2e-3,)), ((2e-4,),)),
             Form("each mold", (strain, more), ((2e-3, 0.0),), ((0.0, 2e-4),), refines="both molds"),
         ),
-        move=_grow,
     )
 
 
-def _grow(press: Changes, at: Mapping[str, float]) -> None:
-    press.strain += at["strain"] + np.array([0.0, at.get("female_more", 0.0)])
-
-
-def thickness_variation() -> PressEffect:
+def thickness_variation() -> Effect:
     """Foam that is not equally thick everywhere, ``variation`` of foam.toml: a wedge, a bowl, or both, or bent ones,
     over the plan of the male."""
 
     def terms(*names: str) -> tuple[Constant, ...]:
-        return tuple(Constant(name, 0.0, -0.8, 0.8, 0.02) for name in names)
+        return tuple(Constant(name, 0.0, -0.8, 0.8, 0.02, places=(f"uneven.{name}",)) for name in names)
 
     x, y, xx, xy, yy = terms("x", "y", "xx", "xy", "yy")
     cubes, fours = terms("xxx", "xxy", "xyy", "yyy"), terms("xxxx", "xxyy", "yyyy")
     some, zeros = 0.05, (0.0,) * 11
     wedge = _both_ways(some)
-    return PressEffect(
+    return Effect(
         id="thickness-variation",
         title="the foam is not equally thick everywhere",
         shown_by="the thickness of the foam before it is pressed, at nine places",
@@ -329,30 +310,19 @@ def thickness_variation() -> PressEffect:
                 "quartic", (x, y, xx, xy, yy, *cubes, *fours), ((some, *zeros),), refines=("cubic", "flat bowl")
             ),
         ),
-        move=_vary,
     )  # fmt: skip
 
 
-def _vary(press: Changes, at: Mapping[str, float]) -> None:
-    for name, coefficient in at.items():
-        press.uneven[name] = press.uneven.get(name, 0.0) + coefficient
-
-
-def tilt(context: DataContext) -> PressEffect:
+def tilt(context: DataContext) -> Effect:
     """A female that stands out of parallel, ``[press] tilt`` of foam.toml: a rotation about each of the two axes across
     the closing axis."""
     edge = math.degrees(0.1 / context.half_mm)
-    both = tuple(Constant(f"tilt_{name}_deg", 0.0, -5.0, 5.0, 0.5 * edge) for name in "xy")
-    return PressEffect(
+    both = _along_both("tilt_{}_deg", 0.5 * edge)
+    return Effect(
         id="tilt",
         title="the molds are not parallel",
         not_sought="a floating female finds its own tilt" if context.floats else "",
         shown_by="pressure or thickness on opposite sides of the mold",
         source="rigid rotation, Rodrigues' formula",
         forms=(Form("rotation", both, _both_ways(2.0 * edge), ((edge, 0.0), (0.0, edge))),),
-        move=_turn,
     )
-
-
-def _turn(press: Changes, at: Mapping[str, float]) -> None:
-    press.tilt += np.radians([at["tilt_x_deg"], at["tilt_y_deg"]])
