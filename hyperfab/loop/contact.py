@@ -175,7 +175,6 @@ class ContactProblem(Problem):
     reference_degC: float = field(kw_only=True)
     scale: tuple[float, ...] = field(kw_only=True)
     measured_files: int = field(kw_only=True)
-    rim_slip: float = field(default=0.0, kw_only=True)
 
     def added(self, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the effects (5,) as ``Sheet.force`` takes them."""
@@ -247,12 +246,8 @@ def contact_problem(
     reference_degC: float,
     prior: float = 0.10,
     fixed: Sequence[str] = (),
-    rim_slip: float = 0.0,
 ) -> ContactProblem:
-    """Return the problem of force-depth files; each is cut into segments, which are left out in turn.
-
-    ``rim_slip`` [mm per N/mm] is what the model's clamp gives already.
-    """
+    """Return the problem of force-depth files; each is cut into segments, which are left out in turn."""
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in sheet.names]
     constants.append(Constant("depth.zero", 0.0, -5.0, 5.0, ZERO_SD, ZERO_SD))
     priors = sure(constants, fixed)
@@ -295,5 +290,4 @@ def contact_problem(
         reference_degC=reference_degC,
         scale=(1.0,) * len(files),
         measured_files=len(files),
-        rim_slip=rim_slip,
     )

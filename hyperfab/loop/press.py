@@ -85,9 +85,8 @@ class PressProblem(Problem):
             if self.setting.thickness is not None:
                 uneven = uneven * (self.setting.thickness / table.foam)
             factor = foam if np.ndim(uneven) == 0 else foam * np.maximum(1.0 + uneven, 0.05)
-            moved = table.moved(mechanical).with_foam(factor)
-            if warmth is not None and warmth.law is not None:
-                moved = moved.with_law(warmth.law)
+            law = table.law if warmth is None or warmth.law is None else warmth.law
+            moved = replace(table.moved(mechanical), foam=table.foam * factor, law=law)
             tables.append(moved if across is None else replace(moved, fabric_law=across))
         shift = float(np.dot(self.setting.zero_rate, changes.strain))
         compliance = self.setting.compliance + changes.compliance

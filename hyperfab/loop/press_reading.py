@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
+from scipy.special import ndtr
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.foam_law import FoamLaw
+from hyperfab.pressing.sandwich import Sandwich
 
 Kind = Literal["pressure", "contact", "thickness", "force", "formed", "fabric", "mounting"]
 
@@ -25,6 +27,8 @@ UNITS: dict[str, str] = {
 }
 #: Kinds that are read at places of the male.
 THERE = ("pressure", "contact", "thickness", "formed")
+#: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
+CONTACT_BLUR = 0.05
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,23 @@ class Reading:
     load: Array | None = None
     temperature: float | None = None
     warmth: Warmth | None = None
+
+    def there(self, values: Array) -> Array:
+        """Return ``values`` (n,) of the vertices at the places (m,)."""
+        assert self.corners is not None
+        assert self.weights is not None
+        return np.asarray(np.sum(values[self.corners] * self.weights, axis=1))
+
+    def shown(self, sandwich: Sandwich, gap: Array) -> Array:
+        """Return what is read (m,) at places of the closed press, of a ``sandwich`` in the gap (n,) at the vertices:
+        for contact that along the normal, else the nearest one."""
+        here, opening = sandwich.at(self.there), self.there(gap)
+        if self.kind == "contact":
+            return np.asarray(ndtr((here.thickness - opening) / CONTACT_BLUR))
+        if self.kind == "pressure":
+            return np.asarray(here.pressure(opening))
+        pressed, fabric = here.pressed(opening)
+        return np.asarray(fabric + pressed)
 
     def rows(self, chosen: Ints) -> Reading:
         """Return some of the rows, in that order."""

@@ -8,14 +8,11 @@ from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
-from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.loop.press_reading import Changes, Reading, Setting
-from hyperfab.loop.press_table import Moved, PressTable, found_tilt
+from hyperfab.loop.press_table import Moved, found_tilt
 
-#: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
-CONTACT_BLUR = 0.05
 #: Openings at which a yielding press is known, between which it is interpolated.
 _GRID = 60
 
@@ -157,26 +154,15 @@ class SetPress:
         return np.asarray(self._gap * places.at(np.array([self.opening]), places.along)[0])
 
     def _at_places(self, left: Array | float, reading: Reading, stays: Array) -> Array:
-        assert reading.corners is not None
-        assert reading.weights is not None
-        table: PressTable = self.hangs.places
-        weights, corners = reading.weights, reading.corners
-
-        def there(values: Array) -> Array:
-            return np.asarray(np.sum(values[corners] * weights, axis=1))
-
-        gap, sandwich = there(self._gap), table.sandwich.at(there)
-        if reading.kind == "contact":
-            return np.asarray(ndtr((sandwich.thickness - there(self._touch)) / CONTACT_BLUR))
-        if reading.kind in ("thickness", "formed"):
-            pressed, fabric = sandwich.pressed(gap)
-            if reading.kind == "thickness":
-                return np.asarray(fabric + pressed)
-            strain = 1.0 - pressed / sandwich.foam
+        table, there = self.hangs.places, reading.there
+        if reading.kind == "formed":
+            sandwich = table.sandwich.at(there)
+            strain = 1.0 - sandwich.pressed(there(self._gap))[0] / sandwich.foam
             had = table.stays if np.ndim(table.stays) == 0 else there(np.asarray(table.stays))
             share = np.clip(had + stays[0] + stays[1] * strain, 0.0, 1.0)
             return np.asarray(sandwich.thickness - share * strain * sandwich.foam)
-        return np.asarray(self.hangs.factor * left * sandwich.pressure(gap))
+        shown = reading.shown(table.sandwich, self._touch if reading.kind == "contact" else self._gap)
+        return np.asarray(self.hangs.factor * left * shown) if reading.kind == "pressure" else shown
 
 
 def _solved(value: Callable[[Array], Array], guess: float) -> float:

@@ -89,14 +89,6 @@ class PressTable:
             gap = gap + 0.5 * (self.bend @ settings[:2]) @ settings[:2]
         return replace(self, gap=gap)
 
-    def with_foam(self, factor: Array | float) -> PressTable:
-        """Return the table with foam of other thickness."""
-        return replace(self, foam=self.foam * factor)
-
-    def with_law(self, law: FoamLaw) -> PressTable:
-        """Return the table with foam of another law."""
-        return replace(self, law=law)
-
     @property
     def step(self) -> float:
         """Distance between openings [mm]."""
@@ -148,8 +140,7 @@ class Moved:
         if self.table.fabric_law is None:
             return replace(self, factor=self.factor * left)
         law = self.table.law.scaled(left)
-        tables = self.table.with_law(law), self.places.with_law(law)
-        return replace(self, table=tables[0], places=tables[1], left=left)
+        return replace(self, table=replace(self.table, law=law), places=replace(self.places, law=law), left=left)
 
 
 def press_table(

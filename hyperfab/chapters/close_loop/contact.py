@@ -16,7 +16,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, read_files, spread
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, read_files, spread, stated_in
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
@@ -30,7 +30,6 @@ from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
-from hyperfab.io.units import quantity
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
@@ -66,15 +65,7 @@ def run(job: Job, given: Given) -> int:
     check_unchanged(job, made, [*given.measured, *given.case.held])
     with job.console.progress("Closing the loop") as advance:
         sheet = pose_sheet(forward, document, files.plain, lambda s: advance(0.3 * s, "forward runs"))
-    problem = pose(
-        sheet,
-        files.plain,
-        material,
-        given.surely,
-        given.case.fix,
-        made.case.temperature,
-        made.case.rim_slip,
-    )
+    problem = pose(sheet, files.plain, material, given.surely, given.case.fix, made.case.temperature)
     return finish(
         job,
         out,
@@ -99,22 +90,12 @@ def read_force_depth(
     table = read_table(
         job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, layout=layout
     )
-    table = once(table, ("force", "force sd"), left_out)
-    order = np.argsort(table["depth"], kind="stable")
-    temperature = table.columns.get("temperature")
-    if temperature is None and "temperature" in table.metadata:
-        given = quantity(table.metadata["temperature"], "temperature", key="temperature", file=name)
-        temperature = np.full(len(order), given)
-    sd = spread(table, "force")
-    friction = table.metadata.get("friction")
-    reading = ForceDepth(
-        name,
-        table["depth"][order],
-        table["force"][order],
-        None if temperature is None else temperature[order],
-        friction=None if friction is None else quantity(friction, "dimensionless", key="friction", file=name),
-    )
-    return reading, None if sd is None else sd[order]
+    table = once(table, ("force", "force sd"), left_out, along="depth")
+    temperature, whole = table.columns.get("temperature"), stated_in(table, "temperature")
+    if temperature is None and whole is not None:
+        temperature = np.full(len(table["depth"]), whole)
+    friction = stated_in(table, "friction", "dimensionless")
+    return ForceDepth(name, table["depth"], table["force"], temperature, friction=friction), spread(table, "force")
 
 
 def pose_sheet(
@@ -263,7 +244,6 @@ def pose(
     prior: float,
     fix: Sequence[str],
     run_at: float | None = None,
-    rim_slip: float = 0.0,
 ) -> ContactProblem:
     """Return the problem of a sheet, run at a temperature or that of its material, and its force-depth files."""
     own = material.temperature_degC if material.temperature_degC is not None else _ROOM_TEMPERATURE
@@ -271,7 +251,7 @@ def pose(
     if material.temperatures:
         files = [one if one.temperature is None else replace(one, softened=_known(material, one.temperature, reference))
                  for one in files]  # fmt: skip
-    problem = contact_problem(sheet, files, reference_degC=reference, prior=prior, fixed=fix, rim_slip=rim_slip)
+    problem = contact_problem(sheet, files, reference_degC=reference, prior=prior, fixed=fix)
     check_fixed(fix, [one.name for one in problem.own], "sheet")
     return problem
 

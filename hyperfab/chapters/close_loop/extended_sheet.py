@@ -70,8 +70,8 @@ def extend_contact(
     amounts, added = problem.amounts(fit.terms), problem.added(fit.terms)
     if amounts.pop("hold", 0.0) > 0.0:
         own = np.asarray(fit.x[: fit.own - 1])
-        slip = float(problem.sheet.slips(own, added, 1.0)[-1]) + problem.rim_slip
-        amounts["slip"] = slip / problem.sheet.scale(own) - problem.rim_slip
+        slip = float(problem.sheet.slips(own, added, 1.0)[-1]) + problem.sheet.slip
+        amounts["slip"] = slip / problem.sheet.scale(own) - problem.sheet.slip
         notes.append("rim-slip: a clamp that holds at first is written as the spring that gives as much at the end")
     larger = replace(contact_applied(case, amounts), material=str(out.path(FABRIC)), against=None)
     if "thermal-softening" in fit.terms:

@@ -16,7 +16,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread
+from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -32,7 +32,6 @@ from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout
-from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import PressProblem, press_problem
@@ -41,6 +40,7 @@ from hyperfab.loop.press_table import press_table
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.pressing.curved import barycentric
+from hyperfab.pressing.mold import PressFrame
 from hyperfab.surface import Surface
 
 _KINDS: dict[str, Kind] = {
@@ -134,20 +134,15 @@ def read_press(
     optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()}
     optional |= {"time": "time", "temperature": "temperature"}
     table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
-    temperature = _temperature(table, name)
+    temperature = _temperature(table)
     if "stroke" in table and "force" in table:
-        table = once(table, ("force", "force sd"), left_out)
-        time = table.columns.get("time")
-        order = np.argsort(table["stroke"], kind="stable")
-        sd = spread(table, "force")
-        reading = Reading(name, "force", table["force"], stroke=table["stroke"], time_s=time, temperature=temperature)
-        return reading.rows(order), None if sd is None else sd[order]
+        table = once(table, ("force", "force sd"), left_out, along="stroke")
+        stroke, time = table["stroke"], table.columns.get("time")
+        force = Reading(name, "force", table["force"], stroke=stroke, time_s=time, temperature=temperature)
+        return force, spread(table, "force")
     if "pressure" in table and "thickness" in table and "x" not in table:
-        table = once(table, ("thickness", "thickness sd"), left_out)
-        order = np.argsort(table["pressure"], kind="stable")
-        sd = spread(table, "thickness")
-        fabrics = Reading(name, "fabric", table["thickness"], load=table["pressure"]).rows(order)
-        return fabrics, None if sd is None else sd[order]
+        table = once(table, ("thickness", "thickness sd"), left_out, along="pressure")
+        return Reading(name, "fabric", table["thickness"], load=table["pressure"]), spread(table, "thickness")
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
         raise InputError(
@@ -168,15 +163,14 @@ def read_press(
     return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(table, kinds[0])
 
 
-def _temperature(table: Table, name: str) -> float | None:
+def _temperature(table: Table) -> float | None:
     """Return at which temperature [degC] of the molds a file was read, from a column or the metadata."""
     column = table.columns.get("temperature")
     if column is None:
-        given = table.metadata.get("temperature")
-        return None if given is None else quantity(given, "temperature", key="temperature", file=name)
+        return stated_in(table, "temperature")
     if np.ptp(column) > 1.0:
         raise InputError(
-            f"was read between {column.min():g} and {column.max():g} degC", file=name, column="temperature",
+            f"was read between {column.min():g} and {column.max():g} degC", file=table.name, column="temperature",
             remedy="give a file for each temperature of the molds",
         )  # fmt: skip
     return float(np.mean(column))
@@ -194,7 +188,7 @@ def pose(
     every = [*(reading for reading, _ in files), *apart]
     travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
     whole, summed, correction = press_table(closed, plan_of(told), travel, _stays(told))
-    placed, used = [], []
+    placed = []
     front = Surface(closed.cold, closed.front.faces)
     setting = setting_of(told)
     if _foam_of(told).sets and told.formed is None and any(one.kind == "formed" for one in every):
@@ -203,14 +197,10 @@ def pose(
             file=told.model.case.foam, key="set", remedy="run hf press-contact with --dwell",
         )  # fmt: skip
     for reading in (_in_press(told, setting, one) for one in every):
-        if reading.places is None or reading.kind == "mounting":
-            placed.append(reading)
-            continue
-        corners, weights = on_front(front, told.frame.inward(reading.places), reading)
-        placed.append(replace(reading, corners=corners, weights=weights))
-        used.append(np.unique(corners))
+        at_places = reading.places is not None and reading.kind != "mounting"
+        placed.append(on_front(front, told.frame, reading) if at_places else reading)
     spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
-    chosen = np.unique(np.concatenate([spare, *used]))
+    chosen = np.unique(np.concatenate([spare, *(one.corners.ravel() for one in placed if one.corners is not None)]))
     placed = [
         reading if reading.corners is None else replace(reading, corners=np.searchsorted(chosen, reading.corners))
         for reading in placed
@@ -316,21 +306,22 @@ def across(told: PressResult) -> list[int]:
     return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
 
 
-def on_front(front: Surface, places: Array, reading: Reading) -> tuple[np.ndarray, Array]:
-    """Return the corners (m, 3) of the facets nearest to places, and the places' weights on them."""
-    near = front.nearest(places)
+def on_front(front: Surface, frame: PressFrame, reading: Reading) -> Reading:
+    """Return a reading at places with the corners (m, 3) of the facets nearest to them, and their weights on these."""
+    assert reading.places is not None
+    near = front.nearest(frame.inward(reading.places))
     size = float(np.ptp(front.vertices, axis=0).max())
     off = np.abs(near.distance)
     far = int(np.argmax(off))
     if off[far] > _OFF * size:
-        x, y, z = reading.places[far] if reading.places is not None else places[far]
+        x, y, z = reading.places[far]
         raise InputError(
             f"the place ({x:.4g}, {y:.4g}, {z:.4g}) mm is {off[far]:.3g} mm off the molding surface of the male",
             file=reading.name,
             remedy="give places on the male, in the coordinates of its STL",
         )
     weights = barycentric(front, near.face, near.point)
-    return front.faces[near.face], weights / weights.sum(axis=1, keepdims=True)
+    return replace(reading, corners=front.faces[near.face], weights=weights / weights.sum(axis=1, keepdims=True))
 
 
 def noise_of(

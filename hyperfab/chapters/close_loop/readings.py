@@ -17,6 +17,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout, filled_in
+from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
@@ -72,8 +73,9 @@ def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> F
     return Files(measured, [read(name)[0] for name in given.case.held])
 
 
-def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) -> Table:
-    """Return a table of readings with every row once; rows that are no reading, or copies, are counted in ``left_out``.
+def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, along: str = "") -> Table:
+    """Return a table of readings with every row once, in the order of what they were read ``along``, if anything; rows
+    that are no reading, or copies, are counted in ``left_out``.
 
     ``results`` are the columns that say what was read, the others where. Rows that agree number for number are copies
     where no place was read again with another result; else they may be readings that agree. Copies would pass for
@@ -93,6 +95,8 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None) ->
         if np.any(ended) and any(np.ptp(way[ended]) > _HOLD * np.ptp(way) for way in ways):
             gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(np.sum(ended))
             table = _rows(table, np.flatnonzero(~ended))
+    if along:
+        table = _rows(table, np.argsort(table[along], kind="stable"))
     table = replace(table, left_out=dict(gone))
     if left_out is not None:
         left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
@@ -125,6 +129,12 @@ def told_left_out(left_out: Mapping[str, int]) -> list[str]:
     """Return the sentence that says how many rows of which kind were not taken, if any."""
     counts = "; ".join(f"{count} rows of {what}" for what, count in left_out.items())
     return [f"left out: {counts}"] if counts else []
+
+
+def stated_in(table: Table, key: str, kind: str = "temperature") -> float | None:
+    """Return a quantity that a file states of all its readings, or None."""
+    text = table.metadata.get(key)
+    return None if text is None else quantity(text, kind, key=key, file=table.name)
 
 
 def spread(table: Table, column: str) -> Array | None:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.special import ndtr
 
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case, tolerances
@@ -61,7 +60,6 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import GAP_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
-from hyperfab.loop.press_set import CONTACT_BLUR
 from hyperfab.loop.upstream import Readings
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
@@ -187,11 +185,12 @@ class PressChain:
 
     def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
         """Return what the press shows at readings as its documents are, and each chapter."""
-        look = _Look(self.closed.cold, self.closed.front.faces, self.model.files.frame.inward, readings)
+        front = Surface(self.closed.cold, self.closed.front.faces)
+        there = [on_front(front, self.model.files.frame, one) for one in readings]
 
         def seen(changes: Mapping[int, Array]) -> Array:
             found, sandwich = self.near.close(changes)
-            return look(sandwich, found.gap, found.touch)
+            return _read(there, sandwich, found.gap, found.touch)
 
         links = []
         for chapter, owned in self.owners.items():
@@ -253,35 +252,14 @@ class PressChain:
         case: PressCase = corrected.case  # type: ignore[assignment]
         job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
         told: PressResult = closed_press(job, case)[0]
-        closed = told.closed
-        look = _Look(closed.cold, closed.front.faces, told.frame.inward, readings)
-        return look(closed.press.sandwich, closed.contact.gap, closed.touch)
+        closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
+        there = [on_front(front, told.frame, one) for one in readings]
+        return _read(there, closed.press.sandwich, closed.contact.gap, closed.touch)
 
 
-class _Look:
-    """What is read at places of the male's front."""
-
-    def __init__(self, cold: Array, faces: Any, inward: Any, readings: Sequence[Reading]) -> None:
-        front = Surface(cold, faces)
-        self.readings = [(one.kind, *on_front(front, inward(one.places), one)) for one in readings]
-
-    def __call__(self, sandwich: Sandwich, gap: Array, touch: Array) -> Array:
-        """Return the readings (n,) over gaps at the front's vertices."""
-        found = []
-        for kind, corners, weights in self.readings:
-
-            def there(values: Array, corners: Any = corners, weights: Array = weights) -> Array:
-                return np.asarray(np.sum(values[corners] * weights, axis=1))
-
-            here, open_ = sandwich.at(there), there(gap)
-            if kind == "pressure":
-                found.append(np.asarray(here.pressure(open_)))
-            elif kind == "thickness":
-                pressed, fabric = here.pressed(open_)
-                found.append(np.asarray(fabric + pressed))
-            else:
-                found.append(np.asarray(ndtr((here.thickness - there(touch)) / CONTACT_BLUR)))
-        return np.concatenate(found)
+def _read(readings: Sequence[Reading], sandwich: Sandwich, gap: Array, touch: Array) -> Array:
+    """Return the readings (n,) on the male's front, over gaps at its vertices: the nearest, and along the normal."""
+    return np.concatenate([one.shown(sandwich, touch if one.kind == "contact" else gap) for one in readings])
 
 
 def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings]:
