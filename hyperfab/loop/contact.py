@@ -11,8 +11,8 @@ from scipy.interpolate import CubicSpline
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue.contact import DataContext, entries
 from hyperfab.loop.emulator import Emulator
-from hyperfab.loop.known import known, known_curve, sure, without_prior
-from hyperfab.loop.problem import Constant, Curve, Extra, Problem
+from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
+from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.materials.effects.thermal_softening import factor
 
 #: What is known of the depth's zero [mm].
@@ -167,27 +167,23 @@ def _parabola(levels: Array, values: Array, at: Array) -> Array:
 
 
 @dataclass
-class ContactProblem(Problem):
+class ContactProblem(FilesProblem[ForceDepth]):
     """A sheet and what was read while a punch went into it."""
 
     sheet: Sheet = field(kw_only=True)
-    files: tuple[ForceDepth, ...] = field(kw_only=True)
     reference_degC: float = field(kw_only=True)
-    scale: tuple[float, ...] = field(kw_only=True)
-    measured_files: int = field(kw_only=True)
 
     def added(self, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the effects (5,) as ``Sheet.force`` takes them."""
         amounts = self.amounts(terms)
         return np.array([amounts.get(name, 0.0) for name in ADDED])
 
-    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return the forces [N], then what is known of the constants, then further tests."""
-        own = np.asarray(own, dtype=np.float64)
+    def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
+        """Return the forces [N] of each test."""
         law, zero = own[:-1], float(own[-1])
         effects = self.added(terms)
         found = []
-        for one, scale in zip(self.files, self.scale, strict=True):
+        for one in self.every:
             soft = np.ones(len(one.depth))
             if "thermal-softening" in terms and one.temperature is not None:
                 given = terms["thermal-softening"][1]
@@ -197,10 +193,8 @@ class ContactProblem(Problem):
             here = effects
             if one.friction is not None:
                 here = np.array([effects[0], one.friction - self.sheet.coefficient, *effects[2:]])
-            force = self.sheet.force(law, here, one.depth - zero, soft)
-            found.append(force * scale)
-        found.insert(self.measured_files, known(self.priors, own))
-        return np.concatenate(found)
+            found.append(self.sheet.force(law, here, one.depth - zero, soft))
+        return found
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be done next: other temperatures, the beginning read closely, all of it often."""
@@ -231,12 +225,6 @@ class ContactProblem(Problem):
                 details["friction"] = coefficient
             found.append(Extra(text, details, self.with_reading(test, finer)))
         return found
-
-    def with_reading(self, test: ForceDepth, scale: float = 1.0) -> ContactProblem:
-        """Return the problem with a further test at its end, its rows times ``scale``."""
-        rows, size = len(self.measured), len(test.depth)
-        curve = Curve(test.name, rows, rows + size, test.depth)
-        return self.longer([curve], files=(*self.files, test), scale=(*self.scale, scale))
 
 
 def contact_problem(
@@ -288,6 +276,4 @@ def contact_problem(
         files=tuple(files),
         priors=priors,
         reference_degC=reference_degC,
-        scale=(1.0,) * len(files),
-        measured_files=len(files),
     )

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
@@ -15,9 +15,9 @@ from hyperfab.arrays import Array
 from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue.drape import DataContext, entries
 from hyperfab.loop.emulator import Axis
-from hyperfab.loop.known import known, known_curve, sure, without_prior
+from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
 from hyperfab.loop.kriging import Kriged, krige
-from hyperfab.loop.problem import Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import patches
 
 #: What is known of how far the mold was pushed up [mm].
@@ -88,22 +88,17 @@ class Draped:
 
 
 @dataclass
-class DrapeProblem(Problem):
+class DrapeProblem(FilesProblem[Markers]):
     """A draped sheet and markers found on it."""
 
     hiding: ClassVar[bool] = True
     draped: Draped = field(kw_only=True)
-    files: tuple[Markers, ...] = field(kw_only=True)
     base_at: tuple[Array, ...] = field(kw_only=True)
     weights: tuple[Array, ...] = field(kw_only=True)
-    measured_files: int = field(kw_only=True)
 
-    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return x, y, z of every marker, file after file, then what is known of the constants, then further tests."""
-        own = np.asarray(own, dtype=np.float64)
-        found = self.at(own, self.amounts(terms))
-        found.insert(self.measured_files, known(self.priors, own))
-        return np.concatenate(found)
+    def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
+        """Return x, y, z of the markers of each file."""
+        return self.at(own, self.amounts(terms))
 
     def at(self, own: Array, amounts: Mapping[str, float]) -> list[Array]:
         """Return x, y, z of the markers of each file, for constants and what effects add to the settings."""
@@ -115,7 +110,7 @@ class DrapeProblem(Problem):
 
     def on(self, draped: Draped) -> DrapeProblem:
         """Return the problem on a sheet that is known better."""
-        pairs = [at_markers(draped, one.flat) for one in self.files]
+        pairs = [at_markers(draped, one.flat) for one in self.every]
         return replace(self, draped=draped, base_at=tuple(base for base, _ in pairs))
 
     def extras(self) -> Sequence[Extra]:
@@ -139,16 +134,11 @@ class DrapeProblem(Problem):
             found.append(Extra(text, {"markers": len(flat)}, more))
         return found
 
-    def with_reading(self, markers: Markers) -> DrapeProblem:
+    def with_reading(self, reading: Markers, scale: float = 1.0, **changes: Any) -> Self:
         """Return the problem with further markers at its end."""
-        rows, size = len(self.measured), 3 * len(markers.flat)
-        base, weights = at_markers(self.draped, markers.flat)
-        return self.longer(
-            [Curve(markers.name, rows, rows + size, np.arange(size, dtype=np.float64))],
-            files=(*self.files, markers),
-            base_at=(*self.base_at, base),
-            weights=(*self.weights, weights),
-        )
+        base, weights = at_markers(self.draped, reading.flat)
+        there = {"base_at": (*self.base_at, base), "weights": (*self.weights, weights)}
+        return super().with_reading(reading, scale, **there, **changes)
 
 
 def settings_of(draped: Draped, own: Array, amounts: Mapping[str, float]) -> Array:
@@ -236,7 +226,7 @@ def drape_problem(
     def state(values: Sequence[Array]) -> Array:
         return np.concatenate([np.tile(one, 3) for one in values])
 
-    measured = np.concatenate([*(part.found.T.ravel() for part in parts), np.zeros(curves[-1].stop - row)])
+    measured = np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)])
     return DrapeProblem(
         measured=measured,
         curves=tuple(curves),
@@ -255,7 +245,6 @@ def drape_problem(
         priors=priors,
         base_at=tuple(base for base, _ in places),
         weights=tuple(weights for _, weights in places),
-        measured_files=len(parts),
     )
 
 

@@ -1,4 +1,4 @@
-"""What is known of a model's own constants, as rows beside the measured ones.
+"""What is known of a model's own constants, as rows beside the measured ones, and problems that have such rows.
 
 A prior that only pulls would let a constant drift three of its standard deviations off, and carry away there what
 an effect does. As a reading of its own it speaks in every test.
@@ -6,16 +6,78 @@ an effect does. As a reading of its own it speaks in every test.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 
-from hyperfab.arrays import Array
-from hyperfab.loop.problem import Constant, Curve
+from hyperfab.arrays import Array, Ints
+from hyperfab.loop.problem import Constant, Curve, Problem
 
 #: Standard deviations a constant may be off.
 SURE = 3.0
+
+
+class File(Protocol):
+    """One file, or a part of it that is left out by itself: its name, and what was read, in the order of the rows."""
+
+    @property
+    def name(self) -> str:
+        """The file."""
+
+    @property
+    def values(self) -> Array:
+        """What was read, row by row."""
+
+
+F = TypeVar("F", bound=File)
+
+
+@dataclass
+class FilesProblem(Problem, Generic[F]):
+    """A model and the ``files`` that were read, or parts of them; then what is known of its constants (``priors``);
+    then ``further`` readings, those that could be taken next or take no part, their rows times ``scale``."""
+
+    files: tuple[F, ...] = field(kw_only=True)
+    further: tuple[F, ...] = field(default=(), kw_only=True)
+    scale: tuple[float, ...] = field(default=(), kw_only=True)
+
+    @abstractmethod
+    def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Sequence[Array]:
+        """Return what is read of each file, then of each further reading."""
+
+    @property
+    def every(self) -> tuple[F, ...]:
+        """The files, then the further readings."""
+        return (*self.files, *self.further)
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the readings, then what is known of the constants, then further readings."""
+        own, count = np.asarray(own, dtype=np.float64), len(self.files)
+        shown = self.shown(own, terms)
+        further = (one * scale for one, scale in zip(shown[count:], self.scale, strict=True))
+        return np.concatenate([*shown[:count], known(self.priors, own), *further])
+
+    def with_reading(self, reading: F, scale: float = 1.0, **changes: Any) -> Self:
+        """Return the problem with a further reading at its end, its rows times ``scale``."""
+        rows, size = len(self.measured), len(reading.values)
+        curve = Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))
+        return self.longer([curve], further=(*self.further, reading), scale=(*self.scale, scale), **changes)
+
+    def parts_of(self, name: str) -> list[tuple[F, Ints]]:
+        """Return the parts of a file, each with its rows."""
+        ends = np.cumsum([len(one.values) for one in self.files])
+        return [
+            (one, np.arange(end - len(one.values), end))
+            for one, end in zip(self.files, ends, strict=True)
+            if one.name == name
+        ]
+
+    def rows_of(self, name: str) -> Ints:
+        """Return the rows (m,) of a file."""
+        return np.concatenate([rows for _, rows in self.parts_of(name)])
 
 
 def known(constants: Sequence[Constant], own: Array) -> Array:

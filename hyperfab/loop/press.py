@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect, entries
-from hyperfab.loop.known import known, known_curve, sure, without_prior
+from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
 from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
 from hyperfab.loop.press_set import SetPress, Summed
 from hyperfab.loop.press_table import Moved, PressTable, loads
-from hyperfab.loop.problem import Constant, Curve, Extra, Problem
+from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import patches
 from hyperfab.pressing.series import together
 
@@ -27,25 +27,22 @@ GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
 
 
 @dataclass
-class PressProblem(Problem):
+class PressProblem(FilesProblem[Reading]):
     """A press and what was read in it."""
 
     summed: PressTable = field(kw_only=True)
     correction: Array = field(kw_only=True)
     places: PressTable = field(kw_only=True)
     setting: Setting = field(kw_only=True)
-    readings: tuple[Reading, ...] = field(kw_only=True)
-    scale: tuple[float, ...] = field(kw_only=True)
-    measured_files: int = field(kw_only=True)
 
-    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return the readings that the press would give, then what is known of the constants, then further tests."""
+    def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
+        """Return the readings that the press would give."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
         changes = self.changes(terms)
         guided: dict[float | None, Moved] = {}
         presses: dict[tuple[object, ...], SetPress] = {}
         found = []
-        for reading, scale in zip(self.readings, self.scale, strict=True):
+        for reading in self.every:
             warm = None if reading.warmth is None else reading.warmth.temperature
             if warm not in guided:
                 guided[warm] = self._moved(value, changes, reading.warmth)
@@ -60,9 +57,13 @@ class PressProblem(Problem):
                 return presses[key].read(reading, left / mean if np.ndim(left) else 1.0, changes)
 
             left = changes.factor(reading)
-            found.append((_through(left, read) if start.table.fabric_law is not None else read(left)) * scale)
-        found.insert(self.measured_files, known(self.priors, np.asarray(own, dtype=np.float64)))
-        return np.concatenate(found)
+            found.append(_through(left, read) if start.table.fabric_law is not None else read(left))
+        return found
+
+    def rows_of(self, name: str) -> Ints:
+        """Return the rows (m,) of a file, in its own order."""
+        order = np.concatenate([np.asarray(part.index) for part, _ in self.parts_of(name)])
+        return super().rows_of(name)[np.argsort(order, kind="stable")]
 
     def changes(self, terms: Mapping[str, tuple[str, Array]]) -> Changes:
         """Return what ``terms`` change of the press."""
@@ -125,9 +126,9 @@ class PressProblem(Problem):
     def extras(self) -> Sequence[Extra]:
         """Return what could be read next."""
         loudest = {"force": self.largest_force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
-        for one in self.readings:
+        for one in self.files:
             if one.kind in loudest:
-                same = [np.max(np.abs(other.values)) for other in self.readings if other.kind == one.kind]
+                same = [np.max(np.abs(other.values)) for other in self.files if other.kind == one.kind]
                 loudest[one.kind] = float(max(same))
         first = float(np.std(self.measured[self.channel == 0])) or 1.0
         # The engine takes new rows to be as loud as the old ones: they are scaled to be.
@@ -135,12 +136,6 @@ class PressProblem(Problem):
             Extra(reading.name, details, self.with_reading(reading, 0.03 * first / loud))
             for reading, details, loud in menu(self.setting, self.summed, self.places, loudest)
         ]
-
-    def with_reading(self, reading: Reading, scale: float = 1.0) -> PressProblem:
-        """Return the problem with a further reading at its end, its rows times ``scale``."""
-        rows, size = len(self.measured), len(reading.values)
-        curve = Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))
-        return self.longer([curve], readings=(*self.readings, reading), scale=(*self.scale, scale))
 
 
 def _through(left: Array | float, read: Callable[[float], Array]) -> Array:
@@ -233,10 +228,8 @@ def press_problem(
         correction=correction,
         places=whole,
         setting=setting,
-        readings=tuple(parts),
+        files=tuple(parts),
         priors=priors,
-        scale=(1.0,) * len(parts),
-        measured_files=len(parts),
     )
 
 

@@ -78,7 +78,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     problem = pose(model, [(one, None) for one in files], 0.10, [])[0]
     loud = {one.name: noise * truths.sd_of(kind) for one, kind in zip(files, read, strict=True)}
     sd = np.ones(len(problem.measured))
-    for part, curve in zip(problem.readings, problem.curves, strict=False):
+    for part, curve in zip(problem.files, problem.curves, strict=False):
         sd[curve.rows] = loud[part.name]
 
     def again(what: NextMeasurement | None) -> Case:

@@ -164,14 +164,14 @@ def check(before: Posed, terms: dict[str, tuple[str, np.ndarray]], tmp_path: Pat
     for more, was, grown in zip(changes.strain, before.told.grown, after.told.grown, strict=True):
         assert grown.strain == pytest.approx(was.strain + more, rel=1e-9, abs=1e-15)
     # And so is what the sandwich bears at the end of the dwell, and what stays of it.
-    left = changes.factor(replace(before.problem.readings[0], time_s=np.array([600.0])))
+    left = changes.factor(replace(before.problem.files[0], time_s=np.array([600.0])))
     bears = moved.relaxed(float(np.max(left)))
     gap = np.linspace(1.5, 4.5, 7)[:, None]
     there = after.told.closed.press.sandwich
     thought_of = replace(there, law=bears.table.law, fabric_law=bears.table.fabric_law).pressure(gap)
     assert there.pressure(gap) == pytest.approx(bears.factor * thought_of, rel=1e-9, abs=1e-15)
     # What is read is the same as far as the table is the press; a hold is the end of the dwell.
-    for reading, curve in zip(before.problem.readings, before.problem.curves, strict=False):
+    for reading, curve in zip(before.problem.files, before.problem.curves, strict=False):
         rows = np.arange(curve.start, curve.stop)
         if reading.time_s is not None:
             rows = rows[reading.time_s == 600.0]

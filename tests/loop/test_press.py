@@ -161,7 +161,7 @@ def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_
     told = blind_press.told(f"compression = [{', '.join(laws)}]\n", blind_press.HOT[1], foam=f"{foam}\n")
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "stroke"))
     problem = pose(told, [(replace(read[0], temperature=110.0), None)], 0.1, [])[0]
-    warmth = problem.readings[0].warmth
+    warmth = problem.files[0].warmth
     assert warmth is not None
     assert warmth.law is not None
     assert warmth.law.stress(0.3) == pytest.approx(0.3 * 0.075)
@@ -188,7 +188,7 @@ def test_foam_that_is_not_equally_hot_everywhere_is_pressed_as_the_press_does_it
     read = Reading("film.csv", "pressure", np.zeros(len(some)), places=told.frame.outward(closed.cold[some]))
     problem = pose(told, [(read, None)], 0.1, [])[0]
     found = problem.predict(np.array([one.value for one in problem.own]), {})
-    order = np.concatenate([part.index for part in problem.readings]).astype(int)
+    order = np.concatenate([part.index for part in problem.files]).astype(int)
     most = closed.contact.pressure.max()
     assert found[: len(some)] == pytest.approx(closed.contact.pressure[some][order], abs=2e-3 * most)
 

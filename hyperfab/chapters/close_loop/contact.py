@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from hyperfab.arrays import Array
@@ -272,12 +271,8 @@ def noise_of(
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise: stated, or the sd column, or local differences along each curve."""
 
-    def rows_of(problem: ContactProblem, one: ForceDepth) -> NDArray[np.int64]:
-        place = next(i for i, file in enumerate(problem.files) if file.name == one.name)
-        start = sum(len(file.depth) for file in problem.files[:place])
-        return np.arange(start, start + len(one.depth))
+    def estimate(problem: ContactProblem, one: ForceDepth, predicted: Array) -> Guess:
+        left = one.force - predicted[problem.rows_of(one.name)]
+        return guess_of_curve(left, one.depth, level=one.force, state=one.temperature)
 
-    def estimate(problem: ContactProblem, one: ForceDepth, rows: NDArray[np.int64], predicted: Array) -> Guess:
-        return guess_of_curve(one.force - predicted[rows], one.depth, level=one.force, state=one.temperature)
-
-    return noise_from(files, lambda one: level, rows_of, estimate)
+    return noise_from(files, lambda one: level, estimate)

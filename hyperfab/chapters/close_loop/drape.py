@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
@@ -337,14 +336,9 @@ def noise_of(
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise: stated, or the sd column, or what neighbours differ by less a prediction."""
 
-    def parts_of(problem: DrapeProblem, one: Markers) -> list[tuple[Markers, NDArray[np.int64]]]:
-        starts = np.cumsum([0, *(3 * len(part.flat) for part in problem.files)])
-        return [(part, np.arange(starts[i], starts[i + 1]))
-                for i, part in enumerate(problem.files) if part.name == one.name]  # fmt: skip
-
-    def estimate(problem: DrapeProblem, one: Markers, rows: NDArray[np.int64], predicted: Array) -> Guess:
+    def estimate(problem: DrapeProblem, one: Markers, predicted: Array) -> Guess:
         left = problem.measured - predicted
-        parts = parts_of(problem, one)
+        parts = problem.parts_of(one.name)
         flat = np.concatenate([part.flat for part, _ in parts])
         by_axis = np.concatenate([left[own].reshape(3, -1).T for _, own in parts])
         # What is read of a marker is how far it has gone: where it is depends on where the axes begin.
@@ -357,9 +351,4 @@ def noise_of(
 
     # Patches do not keep the order of the file: of stated deviations the rms is taken.
     told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
-    return noise_from(
-        told,
-        lambda one: level,
-        lambda problem, one: np.concatenate([rows for _, rows in parts_of(problem, one)]),
-        estimate,
-    )
+    return noise_from(told, lambda one: level, estimate)

@@ -142,7 +142,7 @@ def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
     given = draft.foam["compression"]
     law = dict(given[0] if isinstance(given, list) else given)
     met = {setting.temperature, effect.law_degC}
-    met |= {one.temperature for one in draft.problem.readings if one.temperature is not None}
+    met |= {one.temperature for one in draft.problem.files if one.temperature is not None}
     between = np.arange(min(met), max(met), _SOFTENING_STEP)
     factor = float(law.get("factor", 1.0))
     draft.foam["compression"] = [
@@ -191,7 +191,7 @@ def _stiffen(foam: dict[str, Any], factor: float) -> None:
 
 def _relax(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the document's relaxation and beside it the one that was found, of what that leaves of the pressure."""
-    foam, readings = draft.foam, draft.problem.readings
+    foam, readings = draft.foam, draft.problem.files
     given = dict(foam.get("relaxation", {}))
     share = given.get("share", 0.0)
     shares = [*share] if isinstance(share, list) else [share] if share else []

@@ -16,7 +16,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.readings import Apart, Reading, set_apart, told_left_out
+from hyperfab.chapters.close_loop.readings import Apart, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
@@ -33,6 +33,7 @@ from hyperfab.io.units import quantity
 from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
+from hyperfab.loop.known import File
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 
@@ -96,7 +97,7 @@ def finish(
     extend: Callable[[Finding], Extension],
     axis: str = "",
     rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
-    apart: Sequence[Reading] = (),
+    apart: Sequence[File] = (),
     left_out: Mapping[str, int] | None = None,
     warnings: Sequence[str] = (),
     upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,

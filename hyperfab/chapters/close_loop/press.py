@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array
@@ -336,28 +335,16 @@ def noise_of(
     if level is not None and not any(states(reading) for reading, _ in files):
         raise UsageError("--noise states another kind of reading than the files hold")
 
-    def rows_of(problem: PressProblem, one: Reading) -> NDArray[np.int64]:
-        both = zip(problem.readings, problem.curves, strict=False)
-        mine = [(np.arange(curve.start, curve.stop), part.index) for part, curve in both if part.name == one.name]
-        rows, order = (np.concatenate([np.asarray(part[i]) for part in mine]) for i in (0, 1))
-        return np.asarray(rows[np.argsort(order, kind="stable")])
-
-    def estimate(problem: PressProblem, one: Reading, rows: NDArray[np.int64], predicted: Array) -> Guess:
+    def estimate(problem: PressProblem, one: Reading, predicted: Array) -> Guess:
         along = one.load if one.stroke is None else one.stroke
         if along is not None:
             return guess_of_curve(one.values, along, one.time_s)
         if one.kind == "mounting":
             return Guess(_GAUGE, 2.0, "a dial gauge")
         assert one.places is not None
-        return _cloud(one.kind, one.places, one.values, predicted[rows])
+        return _cloud(one.kind, one.places, one.values, predicted[problem.rows_of(one.name)])
 
-    return noise_from(
-        files,
-        lambda one: level[1] if level and states(one) else None,
-        rows_of,
-        estimate,
-        lambda one: one.kind,
-    )
+    return noise_from(files, lambda one: level[1] if level and states(one) else None, estimate, lambda one: one.kind)
 
 
 def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,27 +19,13 @@ from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
+from hyperfab.loop.known import F, File
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
 from hyperfab.numerics.doubt import leap
 from hyperfab.numerics.spikes import off_in_hold
-
-
-class Reading(Protocol):
-    """One file: its name, and what was read, in the order of the problem's rows."""
-
-    @property
-    def name(self) -> str:
-        """The file."""
-
-    @property
-    def values(self) -> Array:
-        """What was read, row by row."""
-
-
-R = TypeVar("R", bound=Reading)
 
 #: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
 #: touches has one thickness), and what moves while they are read: a hold reads the same without being at that end.
@@ -49,19 +35,19 @@ _HOLD = 0.02
 
 
 @dataclass(frozen=True)
-class Files(Generic[R]):
+class Files(Generic[F]):
     """The files of ``--measured`` with their sd columns, and those of ``--hold-out``."""
 
-    measured: list[tuple[R, Array | None]]
-    apart: list[R]
+    measured: list[tuple[F, Array | None]]
+    apart: list[F]
 
     @property
-    def plain(self) -> list[R]:
+    def plain(self) -> list[F]:
         """The measured files without what they say of their noise."""
         return [one for one, _ in self.measured]
 
 
-def read_files(given: Given, read: Callable[[str], tuple[R, Array | None]]) -> Files[R]:
+def read_files(given: Given, read: Callable[[str], tuple[F, Array | None]]) -> Files[F]:
     """Read every file; InputError where there are too few readings."""
     measured = [read(name) for name in given.measured]
     if sum(len(one.values) for one, _ in measured) < FEWEST:
@@ -168,7 +154,7 @@ class Apart:
         return missed if np.isfinite(missed) else np.inf
 
 
-def set_apart(problem: Any, files: Sequence[Reading]) -> Apart:
+def set_apart(problem: Any, files: Sequence[File]) -> Apart:
     """Return the readings of files that take no part."""
     values = np.concatenate([one.values for one in files])
     for one in files:
@@ -177,33 +163,32 @@ def set_apart(problem: Any, files: Sequence[Reading]) -> Apart:
 
 
 def noise_from(
-    files: Sequence[tuple[R, Array | None]],
-    level: Callable[[R], float | None],
-    rows_of: Callable[[Any, R], NDArray[np.int64]],
-    estimate: Callable[[Any, R, NDArray[np.int64], Array], Guess],
-    kind: Callable[[R], str] = lambda one: "",
+    files: Sequence[tuple[F, Array | None]],
+    level: Callable[[F], float | None],
+    estimate: Callable[[Any, F, Array], Guess],
+    kind: Callable[[F], str] = lambda one: "",
 ) -> Callable[[Problem, Array | None], Noise]:
     """Return what tells the noise of the files less what a model predicts (the model as it is where None).
 
-    For each file ``level`` is what was stated, else its sd column holds, else ``estimate`` returns from its rows of the
-    prediction what they seem to be. Files of a ``kind`` whose estimates differ by no more than chance were read with
+    For each file ``level`` is what was stated, else its sd column holds, else ``estimate`` returns from the prediction
+    what they seem to be. Files of a ``kind`` whose estimates differ by no more than chance were read with
     the same instrument: they have the mean of them; noise in proportion to the reading is looked for in all of them.
     """
 
-    def noise(problem: Problem, predicted: Array | None) -> Noise:
+    def noise(problem: Any, predicted: Array | None) -> Noise:
         if predicted is None:
             predicted = problem.predict(np.array([one.value for one in problem.own]), {})
         sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
         guessed: dict[str, list[tuple[NDArray[np.int64], Guess]]] = {}
         for one, column in files:
-            rows = rows_of(problem, one)
+            rows = problem.rows_of(one.name)
             told = level(one)
             if told is not None:
                 sd[rows], how = told, "stated"
             elif column is not None:
                 sd[rows], how = column, "standard deviations in the data"
             else:
-                guess = estimate(problem, one, rows, predicted)
+                guess = estimate(problem, one, predicted)
                 guessed.setdefault(kind(one), []).append((rows, guess))
                 how = guess.source
                 if guess.is_assumed:  # what one file rests on, the verdict does

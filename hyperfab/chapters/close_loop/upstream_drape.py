@@ -94,7 +94,7 @@ class DrapeChain:
         return own, by
 
     def _at(self, own: Array, amounts: dict[str, float]) -> Array:
-        return np.concatenate(self.problem.at(own, amounts)[: self.problem.measured_files])
+        return np.concatenate(self.problem.at(own, amounts)[: len(self.problem.files)])
 
     def corrected(self, link: Link, change: Array) -> Corrected:
         """Return the drape with a chapter's constants changed."""

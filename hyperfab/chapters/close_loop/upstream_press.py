@@ -266,7 +266,7 @@ def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings
     """Return the readings that are traced, and their rows, in the ``noise`` of all rows of the problem."""
     found = [
         (reading, np.arange(curve.start, curve.stop))
-        for reading, curve in zip(problem.readings, problem.curves, strict=False)
+        for reading, curve in zip(problem.files, problem.curves, strict=False)
         if reading.kind in KINDS and reading.places is not None and reading.warmth is None
     ]
     rows = np.concatenate([rows for _, rows in found])
@@ -292,7 +292,7 @@ def tracing(
     """Return what traces a finding on a press to the documents behind it; UsageError where nothing can be traced."""
     if case.zero == "hot":
         raise UsageError("--upstream traces no clearance that is set on hot molds: take --zero cold")
-    if not any(one.kind in KINDS and one.warmth is None for one in problem.readings):
+    if not any(one.kind in KINDS and one.warmth is None for one in problem.files):
         raise UsageError(
             "--upstream traces pressure, thickness or contact at places of the closed press, and none was measured"
         )
