@@ -24,7 +24,6 @@ from hyperfab.cases.options import read
 from hyperfab.cases.press import PressCase
 from hyperfab.cases.registry import case_class
 from hyperfab.chapters.close_loop.drape import Forward, pose_sheet, read_markers
-from hyperfab.chapters.close_loop.drape import pose as posed
 from hyperfab.chapters.close_loop.press import read_press
 from hyperfab.chapters.close_loop.upstream import Traced, follow
 from hyperfab.chapters.close_loop.upstream_drape import DrapeChain
@@ -38,7 +37,7 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import layout
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
-from hyperfab.loop.drape import Draped
+from hyperfab.loop.drape import Draped, drape_problem
 from hyperfab.loop.upstream import STATED, Readings
 from hyperfab.samples import cup
 
@@ -272,7 +271,7 @@ class Tracing:
         Path("markers.csv").write_bytes(markers(files, np.random.default_rng([seed, 77, len(what)]), noise))
         one, _ = read_markers(self.job, "markers.csv", LAYOUT)
         forward, draped = self.drape
-        problem = posed(draped, [one], 0.1, [])
+        problem = drape_problem(draped, [one])
         places = np.concatenate([np.tile(part.flat, (3, 1)) for part in problem.files])
         kind = np.concatenate([np.repeat([0, 1, 2], len(part.flat)) for part in problem.files])
         rows = Readings(problem.measured[: len(places)], np.full(len(places), noise), places, kind)

@@ -15,13 +15,13 @@ from loop.trials import Case, Trials, main
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
-from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose, pose_sheet
+from hyperfab.chapters.close_loop.drape import Forward, noise_of, pose_sheet
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.console import Console
 from hyperfab.io.json_io import dump_json
 from hyperfab.loop.design import NextMeasurement
-from hyperfab.loop.drape import Draped, Markers
+from hyperfab.loop.drape import Draped, Markers, drape_problem
 
 
 def document(folder: Path) -> str:
@@ -58,7 +58,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
         Markers(f"{number}.csv", *truths.measure(truth, np.random.default_rng([seed, number, 1]), noise, protocol))
         for number, protocol in enumerate(protocols)
     ]
-    problem = pose(draped, files, 0.10, [])
+    problem = drape_problem(draped, files)
     sd = np.ones(len(problem.measured))
     sd[: 3 * sum(len(one.flat) for one in files)] = noise
 

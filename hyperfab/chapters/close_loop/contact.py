@@ -15,7 +15,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, read_files, spread, stated_in
+from hyperfab.chapters.close_loop.readings import noise_from, once, read_files, spread, stated_in
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
@@ -250,9 +250,7 @@ def pose(
     if material.temperatures:
         files = [one if one.temperature is None else replace(one, softened=_known(material, one.temperature, reference))
                  for one in files]  # fmt: skip
-    problem = contact_problem(sheet, files, reference_degC=reference, prior=prior, fixed=fix)
-    check_fixed(fix, [one.name for one in problem.own], "sheet")
-    return problem
+    return contact_problem(sheet, files, reference_degC=reference, prior=prior, fixed=fix)
 
 
 def _known(material: MaterialDocument, temperature: Array, reference: float) -> Array:

@@ -14,7 +14,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread
+from hyperfab.chapters.close_loop.readings import noise_from, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
@@ -82,7 +82,7 @@ def run(job: Job, given: Given) -> int:
     _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
-    problem = pose(draped, files.plain, given.surely, given.case.fix)
+    problem = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
     traces: list[Callable[[Finding, LoopDocument], Sequence[str]]] = []
     if made.case.sheet == "net" and material is not None:
         traces.append(lambda found, result: as_membrane(forward, problem, files.plain, found, result))
@@ -322,13 +322,6 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     kriged = krige(axes, np.array(settings), np.array(values))
     fine = np.asarray(rest.state.x)
     return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
-
-
-def pose(draped: Draped, files: Sequence[Markers], prior: float, fix: Sequence[str]) -> DrapeProblem:
-    """Return the problem of a draped sheet and its markers."""
-    problem = drape_problem(draped, files, prior=prior, fixed=fix)
-    check_fixed(fix, [one.name for one in problem.own], "sheet")
-    return problem
 
 
 def noise_of(

@@ -16,7 +16,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.readings import Apart, set_apart, told_left_out
+from hyperfab.chapters.close_loop.readings import Apart, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
@@ -109,7 +109,8 @@ def finish(
     it is good. ``apart`` are readings that take no part, ``left_out`` counts rows of the files that were not taken.
     ``upstream`` traces the misfit to the documents behind the model and returns what it says.
     """
-    gone = dict(left_out or {})
+    domain, gone = stated_kind(given.data), dict(left_out or {})
+    check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
     warnings = [*warnings, *told_left_out(gone)]
     job.console.warn(*warnings)
     traced: Sequence[str] = ()
@@ -117,7 +118,6 @@ def finish(
         tick = ticking(advance, 0.3)
         misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
         problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
-        domain = stated_kind(given.data)
         result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
         if apart:
             result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])

@@ -15,7 +15,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
-from hyperfab.chapters.close_loop.readings import check_fixed, noise_from, once, spread, stated_in
+from hyperfab.chapters.close_loop.readings import noise_from, once, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -212,7 +212,6 @@ def pose(
         prior=prior,
         fixed=fix,
     )
-    check_fixed(fix, [one.name for one in problem.own], "press")
     return problem, placed[len(files) :]
 
 

@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
-from hyperfab.loop.catalogue.fabric import history, mounting, relaxation, response
 from hyperfab.loop.catalogue.fabric.context import DataContext as DataContext
+from hyperfab.loop.catalogue.fabric.history import hysteresis, mullins, permanent_set
+from hyperfab.loop.catalogue.fabric.mounting import grip_slack, load_offset
+from hyperfab.loop.catalogue.fabric.relaxation import rate
+from hyperfab.loop.catalogue.fabric.response import anisotropy, compressibility, elastic_law, thermal_softening
 from hyperfab.loop.problem import Effect
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
     """Return what may lack, scaled to the data."""
-    found = (one for module in (response, history, relaxation, mounting) for one in module.entries(context))
-    return tuple(sorted(found, key=lambda effect: effect.id))
+    return (
+        anisotropy(context),
+        compressibility(context),
+        elastic_law(context),
+        grip_slack(context),
+        hysteresis(context),
+        load_offset(context),
+        mullins(context),
+        permanent_set(context),
+        rate(context),
+        thermal_softening(context),
+    )

@@ -14,11 +14,6 @@ from hyperfab.materials.effects.permanent_set import FORMS as SETS
 MOST_TAKEN = 0.98
 
 
-def entries(context: DataContext) -> tuple[Effect, ...]:
-    """Return what may lack, scaled to the data."""
-    return hysteresis(context), mullins(context), permanent_set(context)
-
-
 def hysteresis(context: DataContext) -> Effect:
     """A loop at one rate, of friction between yarns, or a pseudo-elastic loop that closes at each turn: friction that
     grows with the load, constant friction, a pseudo-elastic or a bent way down."""

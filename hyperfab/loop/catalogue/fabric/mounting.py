@@ -13,11 +13,6 @@ from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_i
 MOST_OFF = 0.5
 
 
-def entries(context: DataContext) -> tuple[Effect, ...]:
-    """Return what may lack, scaled to the data."""
-    return grip_slack(context), load_offset(context)
-
-
 def grip_slack(context: DataContext) -> Effect:
     """What the grips take of the extension: play, with or without a rounded end, or what gives with the load.
 

@@ -12,11 +12,6 @@ from hyperfab.loop.catalogue.fabric.history import each_way
 from hyperfab.loop.problem import Constant, Effect, Form, fixed, freely, tried_if
 
 
-def entries(context: DataContext) -> tuple[Effect, ...]:
-    """Return what may lack, scaled to the data."""
-    return (rate(context),)
-
-
 def rate(context: DataContext) -> Effect:
     """A level or loop that moves with the rate, of stress that relaxes: one Maxwell branch, two or three, or stiffness
     with the logarithm of the rate."""

@@ -16,11 +16,6 @@ from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 _ALL = {"C20_MPa", "C30_MPa"}
 
 
-def entries(context: DataContext) -> tuple[Effect, ...]:
-    """Return what may lack, scaled to the data."""
-    return anisotropy(context), compressibility(context), elastic_law(context), thermal_softening(context)
-
-
 def anisotropy(context: DataContext) -> Effect:
     """Warp and weft with constants of their own, ``directions`` of the material document: one ratio for all constants,
     all constants free, fibres, and a sheet of threads."""
