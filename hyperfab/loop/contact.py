@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.contact import DataContext, entries
 from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
 from hyperfab.loop.problem import Constant, Curve, Extra
+from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.effects.thermal_softening import factor
 
 #: What is known of the depth's zero [mm].
@@ -40,10 +42,21 @@ class ForceDepth:
     softened: Array | None = None
     friction: float | None = None
 
+    kind: ClassVar[str] = "force"
+
     @property
     def values(self) -> Array:
         """What was read."""
         return self.force
+
+    @property
+    def index(self) -> Ints:
+        """Where the rows stand in the file: it is left whole."""
+        return np.arange(len(self.force))
+
+    def guess(self, predicted: Array) -> Guess:
+        """Return how loud the forces seem, by local differences less a prediction (m,)."""
+        return guess_of_curve(self.force - predicted, self.depth, level=self.force, state=self.temperature)
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue.drape import DataContext, entries
 from hyperfab.loop.emulator import Axis
 from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
 from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.problem import Constant, Curve, Extra
-from hyperfab.loop.scatter import patches
+from hyperfab.loop.scatter import Guess, guess_of_cloud, patches
 
 #: What is known of how far the mold was pushed up [mm].
 DEPTH_SD = 0.1
@@ -26,16 +26,37 @@ DEPTH_SD = 0.1
 
 @dataclass(frozen=True)
 class Markers:
-    """One file: places (m, 2) on the flat sheet and where they are found (m, 3) [mm]."""
+    """One file: places (m, 2) on the flat sheet and where they are found (m, 3) [mm]; ``index`` (3 m,) is where the
+    values of a part stand in the file."""
 
     name: str
     flat: Array
     found: Array
+    index: Ints | None = None
+    kind: ClassVar[str] = "place"
 
     @property
     def values(self) -> Array:
         """What was read: x of all markers, then y, then z."""
         return self.found.T.ravel()
+
+    def parts(self) -> list[Markers]:
+        """Return the patches of neighbours that are left out in turn."""
+        axes = len(self.flat) * np.arange(3)[:, None]
+        found = patches(self.flat, 6, 10)
+        return [Markers(self.name, self.flat[rows], self.found[rows], (axes + rows).ravel()) for rows in found]
+
+    def guess(self, predicted: Array) -> Guess:
+        """Return how loud the markers seem, by what neighbours differ by less a prediction (3 m,)."""
+        order = np.concatenate(patches(self.flat, 6, 10))
+        flat, left = self.flat[order], (self.values - predicted).reshape(3, -1).T[order]
+        # What is read of a marker is how far it has gone: where it is depends on where the axes begin.
+        gone = self.found[order] - np.pad(flat, ((0, 0), (0, 1)))
+        guesses = [guess_of_cloud(flat, left[:, k], gone[:, k]) for k in range(3)]
+        size = float(np.sqrt(np.mean([guess.size**2 for guess in guesses])))
+        if any(guess.is_assumed for guess in guesses):
+            return Guess(size, guesses[0].dof, guesses[0].source)
+        return Guess(size, 1.5 * len(flat), "neighbouring markers")
 
 
 @dataclass(frozen=True)
@@ -203,7 +224,7 @@ def drape_problem(
     fixed: Sequence[str] = (),
 ) -> DrapeProblem:
     """Return the problem of marker files; each is cut into patches, whose x, y and z are left out in turn."""
-    parts = [Markers(one.name, one.flat[rows], one.found[rows]) for one in files for rows in patches(one.flat, 6, 10)]
+    parts = [part for one in files for part in one.parts()]
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
     constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
     priors = sure(constants, fixed)

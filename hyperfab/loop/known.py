@@ -15,6 +15,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Constant, Curve, Problem
+from hyperfab.loop.scatter import Guess
 
 #: Standard deviations a constant may be off.
 SURE = 3.0
@@ -28,8 +29,19 @@ class File(Protocol):
         """The file."""
 
     @property
+    def kind(self) -> str:
+        """The kind of reading: files of one kind were read with one instrument."""
+
+    @property
     def values(self) -> Array:
-        """What was read, row by row."""
+        """What was read (m,), row by row."""
+
+    @property
+    def index(self) -> Ints | None:
+        """Where the rows stand in the file, of which this is a part."""
+
+    def guess(self, predicted: Array) -> Guess:
+        """Return how loud the readings of a whole file seem less a prediction (m,)."""
 
 
 F = TypeVar("F", bound=File)
@@ -66,18 +78,13 @@ class FilesProblem(Problem, Generic[F]):
         curve = Curve(reading.name, rows, rows + size, np.arange(size, dtype=np.float64))
         return self.longer([curve], further=(*self.further, reading), scale=(*self.scale, scale), **changes)
 
-    def parts_of(self, name: str) -> list[tuple[F, Ints]]:
-        """Return the parts of a file, each with its rows."""
-        ends = np.cumsum([len(one.values) for one in self.files])
-        return [
-            (one, np.arange(end - len(one.values), end))
-            for one, end in zip(self.files, ends, strict=True)
-            if one.name == name
-        ]
-
     def rows_of(self, name: str) -> Ints:
-        """Return the rows (m,) of a file."""
-        return np.concatenate([rows for _, rows in self.parts_of(name)])
+        """Return the rows (m,) of a file, in its own order."""
+        ends = np.cumsum([len(one.values) for one in self.files])
+        mine = [(one, int(end)) for one, end in zip(self.files, ends, strict=True) if one.name == name]
+        rows = np.concatenate([np.arange(end - len(one.values), end) for one, end in mine])
+        order = np.concatenate([np.asarray(one.index) for one, _ in mine])
+        return np.asarray(rows[np.argsort(order, kind="stable")])
 
 
 def known(constants: Sequence[Constant], own: Array) -> Array:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array
 from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect, entries
 from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
 from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
@@ -59,11 +59,6 @@ class PressProblem(FilesProblem[Reading]):
             left = changes.factor(reading)
             found.append(_through(left, read) if start.table.fabric_law is not None else read(left))
         return found
-
-    def rows_of(self, name: str) -> Ints:
-        """Return the rows (m,) of a file, in its own order."""
-        order = np.concatenate([np.asarray(part.index) for part, _ in self.parts_of(name)])
-        return super().rows_of(name)[np.argsort(order, kind="stable")]
 
     def changes(self, terms: Mapping[str, tuple[str, Array]]) -> Changes:
         """Return what ``terms`` change of the press."""
@@ -171,7 +166,7 @@ def press_problem(
     kinds = list(dict.fromkeys(reading.kind for reading in readings))
     parts: list[Reading] = []
     for one in readings:
-        reading = replace(one, index=np.arange(len(one.values), dtype=np.float64))
+        reading = replace(one, index=np.arange(len(one.values)))
         if reading.kind in ("fabric", "mounting"):
             parts.append(reading)
             continue
@@ -194,8 +189,7 @@ def press_problem(
     curves, row = [], 0
     for number, part in enumerate(parts):
         size = len(part.values)
-        along = part.load if part.stroke is None else part.stroke
-        abscissa = np.arange(size, dtype=np.float64) if along is None else along
+        abscissa = np.arange(size, dtype=np.float64) if part.along is None else part.along
         name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size

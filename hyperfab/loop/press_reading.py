@@ -7,9 +7,11 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
+from scipy.spatial import cKDTree
 from scipy.special import ndtr
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.sandwich import Sandwich
 
@@ -29,6 +31,8 @@ UNITS: dict[str, str] = {
 THERE = ("pressure", "contact", "thickness", "formed")
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
 CONTACT_BLUR = 0.05
+#: What a dial gauge is off by [mm].
+_GAUGE = 0.01
 
 
 @dataclass(frozen=True)
@@ -59,10 +63,24 @@ class Reading:
     places: Array | None = None
     stroke: Array | None = None
     time_s: Array | None = None
-    index: Array | None = None
+    index: Ints | None = None
     load: Array | None = None
     temperature: float | None = None
     warmth: Warmth | None = None
+
+    @property
+    def along(self) -> Array | None:
+        """What the readings (m,) were taken along: the stroke, or the load; None of those at places."""
+        return self.load if self.stroke is None else self.stroke
+
+    def guess(self, predicted: Array) -> Guess:
+        """Return how loud the readings seem, by what neighbours differ by, or by that less a prediction (m,)."""
+        if self.along is not None:
+            return guess_of_curve(self.values, self.along, self.time_s)
+        if self.kind == "mounting":
+            return Guess(_GAUGE, 2.0, "a dial gauge")
+        assert self.places is not None
+        return _cloud(self.kind, self.places, self.values, predicted)
 
     def there(self, values: Array) -> Array:
         """Return ``values`` (n,) of the vertices at the places (m,)."""
@@ -89,6 +107,23 @@ class Reading:
             if key not in ("name", "kind", "temperature", "warmth")
         }
         return replace(self, **parts)
+
+
+def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
+    """Return the noise of scattered readings: what neighbours differ by, less what the model says they do.
+
+    Where nothing presses a film reads nothing, to the last digit: only where it reads is it as loud as it is.
+    """
+    if kind == "pressure" and np.min(values) == 0.0 < np.max(values):
+        places, predicted, values = (one[values > 0.0] for one in (places, predicted, values))
+    plain = guess_of_cloud(places, values)
+    if kind == "contact":
+        # Ones and zeros: what neighbours disagree by is the edge's own width.
+        _, near = cKDTree(places).query(places, min(7, len(values)))
+        share = values[near].mean(axis=1)
+        return Guess(max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), plain.dof, plain.source)
+    less = guess_of_cloud(places, values - predicted, np.abs(values))
+    return min(plain, less, key=lambda guess: guess.size)
 
 
 @dataclass(frozen=True)

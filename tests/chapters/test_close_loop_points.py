@@ -18,11 +18,12 @@ from loop.generators import press as caps
 
 from hyperfab.chapters.close_loop.contact import read_force_depth
 from hyperfab.chapters.close_loop.drape import read_markers
-from hyperfab.chapters.close_loop.press import _cloud, read_press
+from hyperfab.chapters.close_loop.press import read_press
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError
+from hyperfab.loop.press_reading import Reading
 
 IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
@@ -404,4 +405,6 @@ def test_a_film_is_as_loud_as_it_is_where_it_reads(count: int) -> None:
     pressure = np.maximum(2e-4 * (places[:, 0] - 17.0), 0.0)
     values = np.where(pressure > 0.0, np.maximum(pressure + 1e-4 * random.standard_normal(count), 0.0), 0.0)
     # A third of the readings, each worth half of one.
-    assert _cloud("pressure", places, values, pressure).size == pytest.approx(1e-4, rel=2.0 / np.sqrt(count / 3.0))
+    assert Reading("film.csv", "pressure", values, places=places).guess(pressure).size == pytest.approx(
+        1e-4, rel=2.0 / np.sqrt(count / 3.0)
+    )

@@ -17,7 +17,8 @@ from loop.trials import Case, Trials, main
 from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.options import read
-from hyperfab.chapters.close_loop.contact import Forward, noise_of, pose, pose_sheet
+from hyperfab.chapters.close_loop.contact import Forward, pose, pose_sheet
+from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.console import Console
@@ -81,7 +82,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
         kind = protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
         return posed(truth, noise, [*protocols, kind], seed, prior)
 
-    return Case(problem, noise_of([(one, None) for one in files], None), sd, forward.corrected, again)
+    return Case(problem, Files([(one, None) for one in files]).noise, sd, forward.corrected, again)
 
 
 #: What the next measurements are in the generator's words.

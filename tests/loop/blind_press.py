@@ -15,7 +15,8 @@ from loop.trials import Case, Trials, main
 
 from hyperfab.cases.options import read
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.close_loop.press import closed_press, noise_of, pose
+from hyperfab.chapters.close_loop.press import closed_press, pose
+from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.console import Console
@@ -87,7 +88,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
             kind = "next cold"
         return posed(truth, noise, [*protocols, kind], seed)
 
-    return Case(problem, noise_of([(one, None) for one in files]), sd, next=again)
+    return Case(problem, Files([(one, None) for one in files]).noise, sd, next=again)
 
 
 def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:

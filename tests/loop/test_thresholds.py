@@ -71,9 +71,10 @@ def judged_alone(rows: int) -> bool:
 
 
 def read(rows: int) -> bool:
-    given = SimpleNamespace(measured=["a.csv"], case=SimpleNamespace(held=[]))
+    given = SimpleNamespace(measured=["a.csv"], layout=None, case=SimpleNamespace(held=[], noise=None))
     try:
-        readings.read_files(given, lambda name: (SimpleNamespace(values=np.zeros(rows)), None))  # type: ignore[arg-type,return-value]
+        one = SimpleNamespace(values=np.zeros(rows), kind="force")
+        readings.read_files(None, given, lambda *asked: (one, None), ("force",))  # type: ignore[arg-type,return-value]
     except InputError:
         return False
     return True

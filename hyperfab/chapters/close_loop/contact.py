@@ -14,8 +14,8 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import noise_from, once, read_files, spread, stated_in
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
+from hyperfab.chapters.close_loop.readings import once, read_files, spread, stated_in
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
@@ -33,9 +33,6 @@ from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_pro
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.registry import bind
 from hyperfab.membrane.equilibrium import NoEquilibriumError, State
 from hyperfab.membrane.friction import Coulomb, Stick
@@ -53,10 +50,8 @@ _ROOM_TEMPERATURE = 23.0
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    level = stated_size(given.case.noise, "force")
     made = unchanged(earlier(ContactCase, given.data, given.name))
-    left_out: Counter[str] = Counter()
-    files = read_files(given, lambda name: read_force_depth(job, name, given.layout, left_out))
+    files = read_files(job, given, read_force_depth, ("force",))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
@@ -69,12 +64,10 @@ def run(job: Job, given: Given) -> int:
         job,
         out,
         problem,
-        noise_of(files.measured, level),
+        files,
         given=given,
         extend=lambda found: extend_contact(out, made.case, material, problem, found),
         rounds=forward.corrected,
-        apart=files.apart,
-        left_out=left_out,
     )
 
 
@@ -189,9 +182,8 @@ class Forward:
             raise NoEquilibriumError("the path ends early")
         return SheetAlone(press.sheet.mesh, test.law, test.thickness, test.prestretch), path.states
 
-    def corrected(self, problem: Problem, found: Finding) -> Problem | None:
+    def corrected(self, problem: ContactProblem, found: Finding) -> ContactProblem | None:
         """Return the problem with the force corrected by a run of what was found, where the emulated one is off."""
-        assert isinstance(problem, ContactProblem)
         sheet, fit = problem.sheet, found.after.fit
         own, effects = np.asarray(fit.x[: fit.own - 1]), problem.added(fit.terms)
         if effects[3] > 0.0:
@@ -262,15 +254,3 @@ def _known(material: MaterialDocument, temperature: Array, reference: float) -> 
     here = at(reference)
     key = max(bind(material.model, here).law.stresses, key=lambda one: abs(here[one]))
     return np.array([at(float(v))[key] / here[key] for v in temperature])
-
-
-def noise_of(
-    files: Sequence[tuple[ForceDepth, Array | None]], level: float | None
-) -> Callable[[Problem, Array | None], Noise]:
-    """Return what tells the noise: stated, or the sd column, or local differences along each curve."""
-
-    def estimate(problem: ContactProblem, one: ForceDepth, predicted: Array) -> Guess:
-        left = one.force - predicted[problem.rows_of(one.name)]
-        return guess_of_curve(left, one.depth, level=one.force, state=one.temperature)
-
-    return noise_from(files, lambda one: level, estimate)

@@ -13,8 +13,8 @@ from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated_size
-from hyperfab.chapters.close_loop.readings import noise_from, once, spread
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
+from hyperfab.chapters.close_loop.readings import once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
@@ -36,9 +36,6 @@ from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, pl
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import Kriged, krige
-from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, guess_of_cloud
 
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
@@ -71,10 +68,8 @@ def run(job: Job, given: Given) -> int:
             ".csv",
         ),
     )
-    level = stated_size(given.case.noise, "length")
     made = unchanged(earlier(DrapeCase, given.data, given.name))
-    left_out: Counter[str] = Counter()
-    files = read_measured(given, lambda name: read_markers(job, name, given.layout, left_out))
+    files = read_measured(job, given, read_markers, ("length",))
     out.refuse_inputs(job.inputs)
     material = None if made.case.material is None else read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
@@ -95,13 +90,11 @@ def run(job: Job, given: Given) -> int:
         job,
         out,
         problem,
-        noise_of(files.measured, level),
+        files,
         given=given,
         axis="from the middle_mm",
         extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
         rounds=forward.corrected,
-        apart=files.apart,
-        left_out=left_out,
         upstream=lambda found, result: [text for trace in traces for text in trace(found, result)],
     )
 
@@ -137,7 +130,7 @@ def as_membrane(
 def read_markers(
     job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
 ) -> tuple[Markers, Array | None]:
-    """Read markers: their places on the flat sheet and on the draped one, and one sd a marker where stated.
+    """Read markers: their places on the flat sheet and on the draped one, and the rms of the sd where stated.
 
     Rows without a marker of their own are counted in ``left_out``.
     """
@@ -149,7 +142,8 @@ def read_markers(
     if sd is None:
         sd = spread(table, "x")
     flat = np.stack([table["x0"], table["y0"]], axis=1)
-    return Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1)), sd
+    markers = Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1))
+    return markers, None if sd is None else np.sqrt(np.mean(sd**2))
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
@@ -224,9 +218,8 @@ class Forward:
             raise NotConverged("the sheet finds no equilibrium")
         return found
 
-    def corrected(self, problem: Problem, found: Finding) -> Problem | None:
+    def corrected(self, problem: DrapeProblem, found: Finding) -> DrapeProblem | None:
         """Return the problem with runs at and around what was found, where the nodes rest elsewhere than thought."""
-        assert isinstance(problem, DrapeProblem)
         draped, fit, sd = problem.draped, found.after.fit, found.noise.sd
         own, amounts = np.asarray(fit.x[: fit.own]), problem.amounts(fit.terms)
         settings = settings_of(draped, own, amounts)
@@ -322,26 +315,3 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     kriged = krige(axes, np.array(settings), np.array(values))
     fine = np.asarray(rest.state.x)
     return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
-
-
-def noise_of(
-    files: Sequence[tuple[Markers, Array | None]], level: float | None
-) -> Callable[[Problem, Array | None], Noise]:
-    """Return what tells the noise: stated, or the sd column, or what neighbours differ by less a prediction."""
-
-    def estimate(problem: DrapeProblem, one: Markers, predicted: Array) -> Guess:
-        left = problem.measured - predicted
-        parts = problem.parts_of(one.name)
-        flat = np.concatenate([part.flat for part, _ in parts])
-        by_axis = np.concatenate([left[own].reshape(3, -1).T for _, own in parts])
-        # What is read of a marker is how far it has gone: where it is depends on where the axes begin.
-        gone = np.concatenate([part.found - np.pad(part.flat, ((0, 0), (0, 1))) for part, _ in parts])
-        guesses = [guess_of_cloud(flat, by_axis[:, k], gone[:, k]) for k in range(3)]
-        size = float(np.sqrt(np.mean([guess.size**2 for guess in guesses])))
-        if any(guess.is_assumed for guess in guesses):
-            return Guess(size, guesses[0].dof, guesses[0].source)
-        return Guess(size, 1.5 * len(flat), "neighbouring markers")
-
-    # Patches do not keep the order of the file: of stated deviations the rms is taken.
-    told = [(one, None if sd is None else np.sqrt(np.mean(sd**2))) for one, sd in files]
-    return noise_from(told, lambda one: level, estimate)

@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.readings import Apart, check_fixed, set_apart, told_left_out
+from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
@@ -25,17 +25,19 @@ from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import stated_kind
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.documents.provenance import relative_name
-from hyperfab.errors import HyperfabError, UsageError
+from hyperfab.errors import HyperfabError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.io.units import quantity
 from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.known import File
+from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
+
+P = TypeVar("P", bound=Problem)
+R = TypeVar("R", bound=FilesProblem[Any])
 
 #: Files the extended model may have beside it.
 MODEL_SUFFIXES = (".model.json", ".model.vtu", ".model.csv", ".model.png")
@@ -64,52 +66,26 @@ class Axis:
         return cls(problem.states[name], name.replace("_", " [") + "]")
 
 
-def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
-    """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
-    if text is None:
-        return None
-    failure: HyperfabError | None = None
-    for kind in kinds:
-        try:
-            value = quantity(text, kind, option="--noise")
-        except HyperfabError as error:
-            failure = failure or error
-            continue
-        if value <= 0.0:
-            raise UsageError(f"--noise {text}: must be more than zero")
-        return kind, value
-    raise failure or UsageError(f"--noise {text}: no kind of reading fits")
-
-
-def stated_size(text: str | None, kind: str) -> float | None:
-    """Return the size of ``--noise`` where readings are of one ``kind``."""
-    told = stated(text, (kind,))
-    return None if told is None else told[1]
-
-
 def finish(
     job: Job,
     out: Output,
-    problem: Problem,
-    noise: Callable[[Problem, Array | None], Noise],
+    problem: R,
+    files: Files[Any],
     *,
     given: Given,
     extend: Callable[[Finding], Extension],
     axis: str = "",
-    rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
-    apart: Sequence[File] = (),
-    left_out: Mapping[str, int] | None = None,
+    rounds: Callable[[R, Finding], R | None] = lambda problem, found: None,
     warnings: Sequence[str] = (),
     upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
-    ``noise`` estimates the noise, from the readings less what a model predicts. ``axis`` is the state that the curves
-    are drawn over. ``rounds`` returns the problem posed anew around a finding (a better linearisation), or None where
-    it is good. ``apart`` are readings that take no part, ``left_out`` counts rows of the files that were not taken.
-    ``upstream`` traces the misfit to the documents behind the model and returns what it says.
+    ``axis`` is the state that the curves are drawn over. ``rounds`` returns the problem posed anew around a finding (a
+    better linearisation), or None where it is good. ``upstream`` traces the misfit to the documents behind the model
+    and returns what it says.
     """
-    domain, gone = stated_kind(given.data), dict(left_out or {})
+    domain, gone, apart = stated_kind(given.data), dict(files.left_out), files.apart
     check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
     warnings = [*warnings, *told_left_out(gone)]
     job.console.warn(*warnings)
@@ -117,7 +93,7 @@ def finish(
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3)
         misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
-        problem, found = close_rounds(problem, noise, rounds, tick, misses=misses)
+        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=misses)
         result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
         if apart:
             result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
@@ -161,20 +137,20 @@ def _predicted(apart: Apart, found: Finding, unit: str) -> Errors:
 
 
 def close_rounds(
-    problem: Problem,
-    noise: Callable[[Problem, Array | None], Noise],
-    rounds: Callable[[Problem, Finding], Problem | None] = lambda problem, found: None,
+    problem: P,
+    noise: Callable[[P, Array | None], Noise],
+    rounds: Callable[[P, Finding], P | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
-    misses: Callable[[Problem], Callable[[Fit], float]] | None = None,
-) -> tuple[Problem, Finding]:
+    misses: Callable[[P], Callable[[Fit], float]] | None = None,
+) -> tuple[P, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
 
     Each time once more where what the model leaves between neighbours shows the noise to be less: where a field is
     steep, neighbours differ by more than the noise until the model tells why.
     """
 
-    def anew(posed: Problem) -> Finding:
+    def anew(posed: P) -> Finding:
         apart = None if misses is None else misses(posed)
         closed = partial(close, posed, tick=tick, design=design, apart=apart)
         level = noise(posed, None)

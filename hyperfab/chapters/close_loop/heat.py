@@ -13,8 +13,8 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, stated_size, ticking, write
-from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples
+from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking, write
+from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem

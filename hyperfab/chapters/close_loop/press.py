@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array
 from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish, stated
-from hyperfab.chapters.close_loop.readings import noise_from, once, spread, stated_in
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
+from hyperfab.chapters.close_loop.readings import once, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -32,22 +31,13 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout
 from hyperfab.loop.catalogue.press import FoamContext
-from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
 from hyperfab.loop.press_table import press_table
-from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
 from hyperfab.pressing.curved import barycentric
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.surface import Surface
 
-_KINDS: dict[str, Kind] = {
-    "stress": "pressure",
-    "length": "thickness",
-    "force": "force",
-    "dimensionless": "contact",
-}
 #: Columns of readings at places, their unit, and the kind of reading each is.
 _COLUMNS = {
     "pressure": "stress",
@@ -57,10 +47,6 @@ _COLUMNS = {
     "height": "length",
 }
 _OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
-#: Kinds of reading that are lengths: ``--noise`` states one for all of them.
-_LENGTHS = ("thickness", "formed", "fabric")
-#: What a dial gauge is off by [mm].
-_GAUGE = 0.01
 #: Places further off the male's front than this share of its size are of another mold.
 _OFF = 0.03
 
@@ -69,14 +55,11 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     beside = [f".model{suffix}" for suffix in SIBLINGS]
     out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
-    level = stated(given.case.noise, tuple(_KINDS))
     made = unchanged(earlier(PressCase, given.data, given.name))
-    left_out: Counter[str] = Counter()
-    files = read_measured(given, lambda name: read_press(job, name, given.layout, left_out))
+    files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
     kind = files.plain[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
-    noise_level = noise_of(files.measured, level)
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
@@ -94,11 +77,9 @@ def run(job: Job, given: Given) -> int:
         job,
         out,
         problem,
-        noise_level,
+        replace(files, apart=others),
         given=given,
         extend=lambda found: extend(job, out, made.case, told, problem, found),
-        apart=others,
-        left_out=left_out,
         warnings=warnings,
         upstream=upstream,
     )
@@ -320,44 +301,3 @@ def on_front(front: Surface, frame: PressFrame, reading: Reading) -> Reading:
         )
     weights = barycentric(front, near.face, near.point)
     return replace(reading, corners=front.faces[near.face], weights=weights / weights.sum(axis=1, keepdims=True))
-
-
-def noise_of(
-    files: Sequence[tuple[Reading, Array | None]], level: tuple[str, float] | None = None
-) -> Callable[[Problem, Array | None], Noise]:
-    """Return what tells the noise: stated, or the sd columns, or what neighbours differ by less a prediction."""
-
-    def states(reading: Reading) -> bool:
-        kind = "thickness" if reading.kind in _LENGTHS else reading.kind
-        return level is not None and kind == _KINDS[level[0]]
-
-    if level is not None and not any(states(reading) for reading, _ in files):
-        raise UsageError("--noise states another kind of reading than the files hold")
-
-    def estimate(problem: PressProblem, one: Reading, predicted: Array) -> Guess:
-        along = one.load if one.stroke is None else one.stroke
-        if along is not None:
-            return guess_of_curve(one.values, along, one.time_s)
-        if one.kind == "mounting":
-            return Guess(_GAUGE, 2.0, "a dial gauge")
-        assert one.places is not None
-        return _cloud(one.kind, one.places, one.values, predicted[problem.rows_of(one.name)])
-
-    return noise_from(files, lambda one: level[1] if level and states(one) else None, estimate, lambda one: one.kind)
-
-
-def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
-    """Return the noise of scattered readings: what neighbours differ by, less what the model says they do.
-
-    Where nothing presses a film reads nothing, to the last digit: only where it reads is it as loud as it is.
-    """
-    if kind == "pressure" and np.min(values) == 0.0 < np.max(values):
-        places, predicted, values = (one[values > 0.0] for one in (places, predicted, values))
-    plain = guess_of_cloud(places, values)
-    if kind == "contact":
-        # Ones and zeros: what neighbours disagree by is the edge's own width.
-        _, near = cKDTree(places).query(places, min(7, len(values)))
-        share = values[near].mean(axis=1)
-        return Guess(max(float(np.sqrt(np.mean(share * (1.0 - share)))), 0.1), plain.dof, plain.source)
-    less = guess_of_cloud(places, values - predicted, np.abs(values))
-    return min(plain, less, key=lambda guess: guess.size)

@@ -11,15 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc
 
-from hyperfab.arrays import Array, Flags
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.job import Job
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import HyperfabError, InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
-from hyperfab.loop.known import F, File
+from hyperfab.loop.known import F, File, FilesProblem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
@@ -30,33 +30,109 @@ from hyperfab.numerics.spikes import off_in_hold
 #: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
 #: touches has one thickness), and what moves while they are read: a hold reads the same without being at that end.
 _RANGED, _WAYS = ("pressure", "force"), (*"xyz", "stroke", "depth")
+#: The quantity that ``--noise`` states of each kind of reading.
+_QUANTITIES = {
+    "pressure": "stress",
+    "thickness": "length",
+    "formed": "length",
+    "fabric": "length",
+    "place": "length",
+    "force": "force",
+    "contact": "dimensionless",
+}
 #: What wobbles by less than this share of its way is held.
 _HOLD = 0.02
 
 
 @dataclass(frozen=True)
 class Files(Generic[F]):
-    """The files of ``--measured`` with their sd columns, and those of ``--hold-out``."""
+    """The files of ``--measured`` with their sd columns, and those of ``--hold-out``; what ``--noise`` states of which
+    quantity, and how many rows of which kind were not taken."""
 
     measured: list[tuple[F, Array | None]]
-    apart: list[F]
+    apart: list[F] = field(default_factory=list)
+    level: tuple[str, float] | None = None
+    left_out: Counter[str] = field(default_factory=Counter)
 
     @property
     def plain(self) -> list[F]:
         """The measured files without what they say of their noise."""
         return [one for one, _ in self.measured]
 
+    def noise(self, problem: FilesProblem[F], predicted: Array | None) -> Noise:
+        """Return the noise of the files less what a model predicts (the model as it is where None).
 
-def read_files(given: Given, read: Callable[[str], tuple[F, Array | None]]) -> Files[F]:
-    """Read every file; InputError where there are too few readings."""
-    measured = [read(name) for name in given.measured]
-    if sum(len(one.values) for one, _ in measured) < FEWEST:
+        What was stated of a file's quantity holds, else its sd column, else what it seems to be. Files of a kind whose
+        estimates differ by no more than chance were read with the same instrument: they have the mean of them; noise in
+        proportion to the reading is looked for in all of them.
+        """
+        if predicted is None:
+            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
+        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
+        guessed: dict[str, list[tuple[Ints, Guess]]] = {}
+        for one, column in self.measured:
+            rows = problem.rows_of(one.name)
+            if self.level is not None and self.level[0] == _QUANTITIES.get(one.kind):
+                sd[rows], how = self.level[1], "stated"
+            elif column is not None:
+                sd[rows], how = column, "standard deviations in the data"
+            else:
+                guess = one.guess(predicted[rows])
+                guessed.setdefault(one.kind, []).append((rows, guess))
+                how = guess.source
+                if guess.is_assumed:  # what one file rests on, the verdict does
+                    source = how
+            source = source or how
+            count += len(rows)
+        for group in guessed.values():
+            for rows, size, known in _loudness(problem.measured, group):
+                sd[rows] = size
+                unsure += len(rows) ** 2 / known
+        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+
+
+def read_files(
+    job: Job,
+    given: Given,
+    read: Callable[[Job, str, Layout, Counter[str]], tuple[F, Array | None]],
+    quantities: Sequence[str],
+) -> Files[F]:
+    """Read every file, of ``quantities`` that ``--noise`` may state; InputError where there are too few readings."""
+    found: Files[F] = Files([], level=stated(given.case.noise, quantities))
+    found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.measured)
+    if sum(len(one.values) for one in found.plain) < FEWEST:
         raise InputError(
             "has too few readings to tell noise from a residual",
             file=given.measured[0],
             remedy=f"give {FEWEST} or more",
         )
-    return Files(measured, [read(name)[0] for name in given.case.held])
+    found.apart.extend(read(job, name, given.layout, found.left_out)[0] for name in given.case.held)
+    if found.level is not None and all(found.level[0] != _QUANTITIES.get(one.kind) for one in found.plain):
+        raise UsageError("--noise states another kind of reading than the files hold")
+    return found
+
+
+def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
+    """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
+    if text is None:
+        return None
+    failure: HyperfabError | None = None
+    for kind in kinds:
+        try:
+            value = quantity(text, kind, option="--noise")
+        except HyperfabError as error:
+            failure = failure or error
+            continue
+        if value <= 0.0:
+            raise UsageError(f"--noise {text}: must be more than zero")
+        return kind, value
+    raise failure or UsageError(f"--noise {text}: no kind of reading fits")
+
+
+def stated_size(text: str | None, kind: str) -> float | None:
+    """Return the size of ``--noise`` where readings are of one ``kind``."""
+    told = stated(text, (kind,))
+    return None if told is None else told[1]
 
 
 def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, along: str = "") -> Table:
@@ -160,48 +236,6 @@ def set_apart(problem: Any, files: Sequence[File]) -> Apart:
     for one in files:
         problem = problem.with_reading(one)
     return Apart(problem, slice(len(problem.measured) - len(values), None), values)
-
-
-def noise_from(
-    files: Sequence[tuple[F, Array | None]],
-    level: Callable[[F], float | None],
-    estimate: Callable[[Any, F, Array], Guess],
-    kind: Callable[[F], str] = lambda one: "",
-) -> Callable[[Problem, Array | None], Noise]:
-    """Return what tells the noise of the files less what a model predicts (the model as it is where None).
-
-    For each file ``level`` is what was stated, else its sd column holds, else ``estimate`` returns from the prediction
-    what they seem to be. Files of a ``kind`` whose estimates differ by no more than chance were read with
-    the same instrument: they have the mean of them; noise in proportion to the reading is looked for in all of them.
-    """
-
-    def noise(problem: Any, predicted: Array | None) -> Noise:
-        if predicted is None:
-            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
-        sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
-        guessed: dict[str, list[tuple[NDArray[np.int64], Guess]]] = {}
-        for one, column in files:
-            rows = problem.rows_of(one.name)
-            told = level(one)
-            if told is not None:
-                sd[rows], how = told, "stated"
-            elif column is not None:
-                sd[rows], how = column, "standard deviations in the data"
-            else:
-                guess = estimate(problem, one, predicted)
-                guessed.setdefault(kind(one), []).append((rows, guess))
-                how = guess.source
-                if guess.is_assumed:  # what one file rests on, the verdict does
-                    source = how
-            source = source or how
-            count += len(rows)
-        for group in guessed.values():
-            for rows, size, known in _loudness(problem.measured, group):
-                sd[rows] = size
-                unsure += len(rows) ** 2 / known
-        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
-
-    return noise
 
 
 def _loudness(
