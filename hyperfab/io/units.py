@@ -6,6 +6,7 @@ Every factor is an exact fraction and every conversion is rounded once, so that 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -123,6 +124,23 @@ def quantity(
         return _convert(text, wanted)
     except UnitError as error:
         raise _refusal(str(error), text, option, key, file) from None
+
+
+def quantity_of(text: object, kinds: Sequence[str], *, option: str) -> tuple[str, float]:
+    """Return which of ``kinds`` a quantity is of, and its number as ``quantity`` has it; of none it is refused as the
+    first.
+
+    >>> quantity_of("2 N/mm", ("stress", "membrane-stress"), option="--noise")
+    ('membrane-stress', 2.0)
+    """
+    failure = None
+    for kind in kinds:
+        try:
+            return kind, quantity(text, kind, option=option)
+        except UsageError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure
 
 
 def column_factor(unit: str, kind: str) -> tuple[Fraction, Fraction]:

@@ -34,6 +34,7 @@ class PressProblem(FilesProblem[Reading]):
     correction: Array = field(kw_only=True)
     places: PressTable = field(kw_only=True)
     setting: Setting = field(kw_only=True)
+    foam: FoamContext = field(kw_only=True)
 
     def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
         """Return the readings that the press would give."""
@@ -90,10 +91,6 @@ class PressProblem(FilesProblem[Reading]):
 
     def _set(self, now: Moved, value: Mapping[str, float]) -> SetPress:
         return SetPress(now, self.setting, value, self._sum, self._arm if self.setting.floating else None)
-
-    def self_aligned(self, value: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return the tilt (2,) [rad] a floating female adds to the model's own; ``value`` has the own constants."""
-        return self._set(self._moved(value, self.changes(terms)), value).hangs.turn
 
     @cached_property
     def _sum(self) -> Summed:
@@ -154,7 +151,7 @@ def press_problem(
     setting: Setting,
     readings: Sequence[Reading],
     *,
-    foam: FoamContext | None = None,
+    foam: FoamContext,
     prior: float = 0.10,
     fixed: Sequence[str] = (),
 ) -> PressProblem:
@@ -198,7 +195,7 @@ def press_problem(
     context = DataContext(
         half_mm=setting.half_mm,
         pressure_MPa=float(np.mean(whole.law.stress(0.5))),
-        foam=foam or FoamContext(),
+        foam=foam,
         temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
         molds_degC=setting.temperature,
         formed="formed" in kinds,
@@ -222,6 +219,7 @@ def press_problem(
         correction=correction,
         places=whole,
         setting=setting,
+        foam=foam,
         files=tuple(parts),
         priors=priors,
     )

@@ -88,8 +88,8 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     problem = pose(level, [(one, None) for one in read], 0.1, [])[0]
     own = {one.name: one.value for one in problem.own}
     wedge = {"thickness-variation": ("wedge", np.array([0.08, -0.03]))}
-    tilt = problem.self_aligned(own, wedge)
-    assert np.abs(problem.self_aligned(own, {})).max() < 1e-12
+    none, tilt = (problem._set(problem._moved(own, problem.changes(one)), own).hangs.turn for one in ({}, wedge))
+    assert np.abs(none).max() < 1e-12
     assert np.abs(tilt - turned.pose.tilt).max() < 0.05 * np.hypot(*turned.pose.tilt)
     plain = problem.predict(np.array(list(own.values())), {})
     given = problem.predict(np.array(list(own.values())), {"tilt": ("rotation", np.array([0.1, 0.0]))})

@@ -20,7 +20,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.io.units import quantity
-from hyperfab.loop.catalogue.press import FoamSoftening, softened
+from hyperfab.loop.catalogue.press import softened
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
 
@@ -137,16 +137,16 @@ def _give_way(draft: _Draft, at: Mapping[str, float]) -> None:
 
 def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the foam's law at the temperature it holds at, at those met, and between them."""
-    effect, setting = draft.problem.effect("foam-softening"), draft.problem.setting
-    assert isinstance(effect, FoamSoftening)
+    holds, setting = draft.problem.foam.law_degC, draft.problem.setting
+    assert holds is not None
     given = draft.foam["compression"]
     law = dict(given[0] if isinstance(given, list) else given)
-    met = {setting.temperature, effect.law_degC}
+    met = {setting.temperature, holds}
     met |= {one.temperature for one in draft.problem.files if one.temperature is not None}
     between = np.arange(min(met), max(met), _SOFTENING_STEP)
     factor = float(law.get("factor", 1.0))
     draft.foam["compression"] = [
-        {**law, "factor": factor * softened(one - effect.law_degC, at), "temperature": f"{one!r} degC"}
+        {**law, "factor": factor * softened(one - holds, at), "temperature": f"{one!r} degC"}
         for one in sorted(met | set(between.tolist()))
     ]
 

@@ -14,10 +14,10 @@ from scipy.special import chdtrc
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.job import Job
-from hyperfab.errors import HyperfabError, InputError, UsageError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import Layout, filled_in
-from hyperfab.io.units import quantity
+from hyperfab.io.units import quantity, quantity_of
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
 from hyperfab.loop.noise import Noise
@@ -116,17 +116,10 @@ def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
     """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
     if text is None:
         return None
-    failure: HyperfabError | None = None
-    for kind in kinds:
-        try:
-            value = quantity(text, kind, option="--noise")
-        except HyperfabError as error:
-            failure = failure or error
-            continue
-        if value <= 0.0:
-            raise UsageError(f"--noise {text}: must be more than zero")
-        return kind, value
-    raise failure or UsageError(f"--noise {text}: no kind of reading fits")
+    kind, value = quantity_of(text, kinds, option="--noise")
+    if value <= 0.0:
+        raise UsageError(f"--noise {text}: must be more than zero")
+    return kind, value
 
 
 def stated_size(text: str | None, kind: str) -> float | None:

@@ -24,7 +24,7 @@ from hyperfab.io.layout import layout
 from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.text import number_of_rows
-from hyperfab.io.units import quantity
+from hyperfab.io.units import quantity_of
 from hyperfab.materials import law, laws
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.identification.quality import Figures
@@ -189,14 +189,8 @@ def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
     """Return a stress [MPa], given as such or as force per width [N/mm] (over the thickness, where it is known)."""
     if text is None:
         return None
-    try:
-        return quantity(text, "stress", option=option)
-    except UsageError as no_stress:
-        try:
-            return quantity(text, "membrane-stress", option=option) / (sizes.thickness or 1.0)
-        except UsageError:
-            # Of two forms that would do, the common one is shown.
-            raise no_stress from None
+    kind, value = quantity_of(text, ("stress", "membrane-stress"), option=option)
+    return value if kind == "stress" else value / (sizes.thickness or 1.0)
 
 
 def _chosen(fit_on: str | None, readings: Readings) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from hyperfab.cases.reading import ReadingCase
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
-from hyperfab.io.units import quantity
+from hyperfab.io.units import quantity_of
 from hyperfab.materials.modes import MODES, SIMPLE_SHEAR, way
 from hyperfab.numerics.hygiene import branches, cycles
 
@@ -49,12 +49,12 @@ def stated(preload: str) -> tuple[float, str]:
     >>> stated("0.1N"), stated("0.002 N/mm")
     ((0.1, 'force'), (0.002, 'membrane-stress'))
     """
-    for kind in _PRELOADS:
-        try:
-            return quantity(preload, kind, option="--preload"), kind
-        except UsageError:
-            continue
-    raise UsageError(f"--preload {preload}: write a stress, 0.002MPa, a force per width, 0.5 N/mm, or a force, 0.1N")
+    try:
+        kind, value = quantity_of(preload, _PRELOADS, option="--preload")
+    except UsageError:
+        forms = "a stress, 0.002MPa, a force per width, 0.5 N/mm, or a force, 0.1N"
+        raise UsageError(f"--preload {preload}: write {forms}") from None
+    return value, kind
 
 
 def _preload_of(curve: TestData, preload: str) -> float:

@@ -154,14 +154,7 @@ def foam_shrinkage() -> Effect:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class FoamSoftening(PressEffect):
-    """The entry of a foam whose law holds at ``law_degC``."""
-
-    law_degC: float
-
-
-def foam_softening(context: DataContext) -> FoamSoftening:
+def foam_softening(context: DataContext) -> PressEffect:
     """Foam that is softer when hot than where it was tested, a ``compression`` of several temperatures in foam.toml:
     the stress goes exponentially with temperature."""
     law, met = context.foam.law_degC, context.temperatures
@@ -178,16 +171,14 @@ def foam_softening(context: DataContext) -> FoamSoftening:
     if len(met) > 2:
         bend = Constant("softening_1_K2", 0.0, -4.0 / far**2, 4.0 / far**2, 0.05 / far**2)
         forms.append(Form("curved", (rate, bend), ((0.3 / far, 0.0),), ((0.0, 0.05 / far**2),), "exponential"))
-    known = 20.0 if law is None else law
-    return FoamSoftening(
+    return PressEffect(
         id="foam-softening",
         title="the foam is softer when it is hot",
         not_sought=reason,
         shown_by="force over stroke with the molds cold",
         source="an exponential of temperature",
         forms=tuple(forms),
-        law_degC=known,
-        move=partial(_soften, known, context.molds_degC),
+        move=partial(_soften, law or 0.0, context.molds_degC),
     )
 
 
