@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import curves_csv, describe, errors_of, say
+from hyperfab.chapters.close_loop.describe import curves_csv, describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms
-from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking, write
+from hyperfab.chapters.close_loop.finalise import Axis, errors_apart, picture, ticking, write
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
@@ -20,7 +20,6 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.base import Validity, parse_document
-from hyperfab.documents.loop import Errors
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.provenance import record
 from hyperfab.errors import InputError
@@ -92,7 +91,8 @@ def run(job: Job, given: Given) -> int:
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
-        result.held_out = _errors(apart, found, tests.unit, len(held_out.tests))
+        sd = float(np.sqrt(np.mean(found.noise.sd[: apart.rows.start] ** 2)))
+        result.held_out = errors_apart(apart, found, tests.unit, sd, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
         model.provenance = record(job.command, job.arguments, job.inputs.files, out.target)
@@ -227,15 +227,6 @@ def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
     measured = np.concatenate([test.stress for test in tests.tests])
     begin = sum(len(test.stretch) for test in problem.tests)
     return Apart(wider, slice(begin, begin + len(measured)), measured)
-
-
-def _errors(apart: Apart, found: Finding, unit: str, tests: int) -> Errors:
-    """Return the error on tests that take no part, before and after."""
-    before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
-    sd = np.sqrt(np.mean(found.noise.sd[: apart.rows.start] ** 2))
-    # The specimens set apart scatter as the others do.
-    spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
-    return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
 
 
 def _files(job: Job, out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:

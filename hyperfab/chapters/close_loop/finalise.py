@@ -96,7 +96,7 @@ def finish(
         problem, found = close_rounds(problem, files.noise, rounds, tick, misses=misses)
         result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
         if apart:
-            result.held_out = _predicted(set_apart(problem, apart), found, problem.units[0])
+            result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0], float(found.noise.sd[0]))
         say(job.console, problem, found, result)
         if out.wants_files:
             tick("the extended model")
@@ -129,11 +129,12 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float =
     return tick
 
 
-def _predicted(apart: Apart, found: Finding, unit: str) -> Errors:
-    """Return the error on readings that were set apart, before and after."""
+def errors_apart(apart: Apart, found: Finding, unit: str, sd: float, tests: int | None = None) -> Errors:
+    """Return the error on readings that were set apart, before and after, beside their noise ``sd``."""
     before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
-    sd = np.full(len(apart.measured), float(found.noise.sd[0]))
-    return errors_of(apart.measured, before, after, sd, unit, None, "the files of --hold-out")
+    # The specimens set apart scatter as the others do.
+    spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
+    return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
 
 
 def close_rounds(
