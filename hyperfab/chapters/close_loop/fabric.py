@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -86,8 +86,9 @@ def run(job: Job, given: Given) -> int:
     tell_sure(model, found, lambda fit: extend(document, problem, fit, problem.law), len(problem.tests))
     model.format = model.format_name()
     mark(model.effects or [], found)
-    _warn_of_nearness(job, model, tests)
-    _warn_of_softness(job, model, tests)
+    doubts = [*_nearly(model), *_soft(model)]
+    tests.warnings += doubts
+    job.console.warn(*doubts)
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
@@ -191,20 +192,18 @@ def _warn(job: Job, document: MaterialDocument, tests: Measured) -> None:
     job.console.warn(*tests.warnings)
 
 
-def _warn_of_nearness(job: Job, model: MaterialDocument, tests: Measured) -> None:
-    """Say where constants of warp and weft tell a term only nearly."""
+def _nearly(model: MaterialDocument) -> Iterator[str]:
+    """Yield where constants of warp and weft tell a term only nearly."""
     for item in model.effects or []:
         if item.get("ground") and item.get("told_by") == "directions":
-            text = (
+            yield (
                 f"anisotropy: other commands compute with the constants of warp and weft that come nearest to "
                 f"{item['form']}; the term itself stands in effects, and hf close-loop goes on from it"
             )
-            tests.warnings.append(text)
-            job.console.warn(text)
 
 
-def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> None:
-    """Say where the constants that these data ask for give a fabric that other commands must refuse."""
+def _soft(model: MaterialDocument) -> Iterator[str]:
+    """Yield where the constants that these data ask for give a fabric that other commands must refuse."""
     if model.model == ORTHOTROPIC:
         return  # none of its constants is below zero
     ways = {f" along the {way}": one.parameters for way, one in (model.directions or {}).items()}
@@ -213,12 +212,10 @@ def _warn_of_softness(job: Job, model: MaterialDocument, tests: Measured) -> Non
         law = law_of(model.model, parameters, foam=True)
         modulus = stiffness_at_rest(law, parameters)
         if not 0.0 < modulus < np.inf:
-            text = (
+            yield (
                 f"the constants of {model.model} these data ask for have no stiffness at rest{way} (Young's modulus "
                 f"{modulus:.3g} MPa): no other command takes the extended model; fit a law with fewer constants"
             )
-            tests.warnings.append(text)
-            job.console.warn(text)
 
 
 def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
