@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -9,7 +11,7 @@ from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import least_misfits
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN, ONE_CLOTH, SMALL, TOLD
+from hyperfab.loop.thresholds import MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
 
 #: Scatters of specimens that are tried.
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
@@ -39,6 +41,17 @@ def undoubted(search: Search, best: Candidate) -> tuple[Candidate, dict[str, flo
     return best, odds
 
 
+@dataclass(frozen=True)
+class Hidden:
+    """A model with one term more that specimens which scatter may hide: what that is worth in likelihood, how much they
+    scatter beside it, and without."""
+
+    beside: Candidate
+    worth: float
+    scatter: float
+    without: float
+
+
 def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, float]:
     """Return a model with the terms that specimens which scatter hide, and how much they scatter beside these.
 
@@ -46,22 +59,38 @@ def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, 
     name. Beside the term all specimens scatter by so much less that it is no chance, of as many entries.
     """
     scatter = np.inf
-    chance = MARGIN + 2.0 * float(np.log(max(search.problem.sought, 1)))
-    while search.noise.gain_doubt and len(best.ids) < most:
-        most_worth, larger = chance, best
-        for effect, _ in search.ranking(best)[:_HIDDEN]:
-            fitted = search.with_term(best, effect)
-            if fitted is None:
-                continue
-            beside = search.state(fitted)
-            (alone, wide), (whole, narrow) = (likeliest_scatter(search, one, beside) for one in (best, beside))
-            worth = alone - whole - _of_each(beside, effect.id)
-            if narrow < wide and worth > most_worth:
-                most_worth, larger, scatter = worth, beside, narrow
-        if larger is best:
+    while len(best.ids) < most:
+        found = max(_hidden(search, best), key=lambda one: one.worth, default=None)
+        if found is None or found.worth <= MARGIN + _choice(search):
             break
-        best = larger
+        best, scatter = found.beside, found.scatter
     return best, scatter
+
+
+def perhaps_hidden(search: Search, best: Candidate) -> dict[str, tuple[float, float]]:
+    """Return entries that are likelier hidden by the scatter of specimens than not, though it may be chance, and how
+    much these scatter beside each, and without."""
+    least = 2.0 * float(np.log(ODDS)) + _choice(search)
+    return {one.beside.ids[-1]: (one.scatter, one.without) for one in _hidden(search, best) if one.worth > least}
+
+
+def _choice(search: Search) -> float:
+    """Return what the likeliest of as many entries is ahead by chance, in minus twice the logarithm of likelihood."""
+    return 2.0 * float(np.log(max(search.problem.sought, 1)))
+
+
+def _hidden(search: Search, best: Candidate) -> list[Hidden]:
+    """Return the terms that specimens scatter less beside, where it is known of few pairs how much they do."""
+    found = []
+    for effect, _ in search.ranking(best)[:_HIDDEN] if search.noise.gain_doubt else ():
+        fitted = search.with_term(best, effect)
+        if fitted is None:
+            continue
+        beside = search.state(fitted)
+        (alone, wide), (whole, narrow) = (likeliest_scatter(search, one, beside) for one in (best, beside))
+        if narrow < wide:
+            found.append(Hidden(beside, alone - whole - _of_each(beside, effect.id), narrow, wide))
+    return found
 
 
 def _none_alike(search: Search) -> bool:
@@ -86,29 +115,27 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
 
     What ``best`` (the model itself by default) leaves though every specimen has a stiffness of its own counts as noise.
     Beside it a few that follow a term by chance, or agree by chance, must not pass for ones that do not scatter: what
-    is usual counts as two specimens more (a scaled inverse chi-squared distribution of the variance), and those that
-    mean and terms are told from count no more (restricted likelihood: Patterson & Thompson 1971,
-    doi:10.1093/biomet/58.3.545).
+    is usual counts as two specimens more (a scaled inverse chi-squared distribution of the variance), and what the
+    constants of ``best`` are told from counts no more (restricted likelihood).
     """
     # No larger than replicates allow: that specimens led alike agree says that others do not scatter by any amount.
     # Where none were, than one cloth does.
     most = TOLD * search.noise.gain_doubt or ONE_CLOTH
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
-    def misfits(one: Candidate) -> tuple[Array, Array]:
+    def misfits(one: Candidate) -> tuple[Array, Array, Array]:
         metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
         entropy = np.array([metric.entropy for metric in metrics])
-        return least_misfits(search.problem, metrics, one.fit), entropy
+        return *least_misfits(search.problem, metrics, one.fit), entropy
 
-    misfit, entropy = misfits(state)
-    least = misfit if best is None else misfits(best)[0]
+    misfit, _, entropy = told = misfits(state)
+    least, taken, _ = told if best in (None, state) else misfits(best)
     # Of each kind of reading: what lacks in the contraction makes no stress less sure.
     count = np.unique(search.problem.channel, return_counts=True)[1]
     surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
     if best is not None:
-        surprise -= entropy * min((1.0 + len(best.ids)) / len(search.noise.groups), 1.0)
         variance = np.array(scatters) ** 2
-        surprise += CLOTH_COUNTS * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance)
+        surprise += CLOTH_COUNTS * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance) - taken
     likeliest = int(np.argmin(surprise))
     return float(surprise[likeliest]), scatters[likeliest]
 
@@ -139,7 +166,8 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
     if assumed <= noise.gain_sd:
         # So much was noise to the judgement above, which looks at the stiffness of each specimen too.
         return "unexplained", 0.0
-    left = float(np.sum(least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)))
+    misfits, _ = least_misfits(search.problem, [noise.among(before.fit.predicted, assumed)], before.fit)
+    left = float(np.sum(misfits))
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
     return ("noise", assumed) if small else ("unexplained", 0.0)

@@ -13,7 +13,14 @@ from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
-from hyperfab.loop.doubt import likeliest_scatter, scatter_of_one_cloth, undoubted, with_hidden, without_names
+from hyperfab.loop.doubt import (
+    likeliest_scatter,
+    perhaps_hidden,
+    scatter_of_one_cloth,
+    undoubted,
+    with_hidden,
+    without_names,
+)
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import common_bic
@@ -41,7 +48,8 @@ class Finding:
     ``after``, in order; ``tried`` the evidence of the entries refitted on the model as it was; ``scores`` how far its
     residual points at each entry that these data could show, ``worth`` what each would lower BIC by, to first order.
     ``doubted`` were not added because specimens may scatter as much, ``worse`` because with them some readings are
-    missed by more. ``assumed`` is the scatter of specimens that was taken for what is left, though none was measured.
+    missed by more. ``assumed`` is the scatter of specimens that was taken for what is left, though none was measured;
+    ``hidden`` may be behind it, each with how much they scatter beside it and without.
     """
 
     verdict: str
@@ -60,6 +68,7 @@ class Finding:
     worse: tuple[str, ...] = ()
     assumed: float = 0.0
     belief: Belief | None = None
+    hidden: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def close(
@@ -112,6 +121,7 @@ def close(
         return Finding(
             verdict, level, before, after, added, tried, scores, worth,
             rides_on=rides_on, suggestion=hint, belief=sure_of(verdict == "noise"),
+            hidden=perhaps_hidden(search, after),
         )  # fmt: skip
 
     if before.judgement.is_noise or _no_more_than_noise(before):

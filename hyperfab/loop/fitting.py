@@ -338,23 +338,27 @@ def _step(
     return step
 
 
-def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> Array:
-    """Return the least chi-squared near a fit in each of several metrics, by kind of reading (metrics, kinds).
+def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:
+    """Return the least chi-squared near a fit in each of several metrics, by kind of reading (metrics, kinds), and what
+    telling its constants takes from the logarithm of the determinant of each metric's covariance (metrics,).
 
-    It is one step of Gauss and Newton away. The metrics differ in what rows have in common alone.
+    It is one step of Gauss and Newton away. The metrics differ in what rows have in common alone. What is taken is as
+    in restricted likelihood, over what it is without anything in common: Patterson & Thompson (1971),
+    doi:10.1093/biomet/58.3.545.
     """
     constants = [*problem.own, *(constant for form in found.forms.values() for constant in form.constants)]
     low, high, scale = (_column(constants, name) for name in ("low", "high", "scale"))
     plain = metrics[0].plain
     slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, plain)
-    slope = slope[:, (found.x > low) & (found.x < high)] * plain.sd[:, None]
-    misfits = []
+    span = orthonormal(slope[:, (found.x > low) & (found.x < high)]) * plain.sd[:, None]
+    misfits, taken = [], []
     for metric in metrics:
-        left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(slope)
+        left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(span)
         basis = orthonormal(columns)
         rest = (left - basis @ (basis.T @ left)) ** 2
         misfits.append([float(np.sum(rest[problem.channel == kind])) for kind in np.unique(problem.channel)])
-    return np.array(misfits)
+        taken.append(-float(np.linalg.slogdet(columns.T @ columns)[1]))
+    return np.array(misfits), np.array(taken)
 
 
 def _column(constants: Sequence[Constant], name: str) -> Array:

@@ -269,6 +269,18 @@ def test_a_pair_that_is_far_apart_by_chance_does_not_hide_what_all_specimens_sho
     assert one_pair(seed, gains, 0.0).verdict == "noise"
 
 
+@pytest.mark.parametrize(("softening", "told"), [(0.0, False), (0.0025, True)])
+def test_what_such_a_pair_may_hide_is_told_though_it_is_not_added(softening: float, told: bool) -> None:
+    """13 % softer at 80 degC is too little for a name beside a pair that differs by 13 %, too much for no word."""
+    gains = np.exp(0.02 * np.random.default_rng(13).standard_normal(8))
+    gains[:2] = 0.93, 1.06
+    one = one_pair(3, gains, softening)
+    assert one.verdict == "noise"
+    assert list(one.hidden) == (["thermal-softening"] if told else [])
+    for beside, without in one.hidden.values():
+        assert beside < 0.04 < 0.06 < without
+
+
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_pair_that_agrees_by_chance_does_not_say_that_no_specimens_scatter(seed: int) -> None:
     """The pair differs by 1 %, the others scatter by 5 %."""

@@ -357,6 +357,15 @@ def _doubts(found: Finding) -> list[str]:
         seen = f"a little more than the {share:.2g} % in stiffness seen here"
         how = seen if share and not found.assumed else "as those of one cloth do"
         return [f"Not added: {', '.join(found.doubted)}. Specimens that scatter {how} would explain as much: {more}"]
+    if found.hidden and share:
+        names = " or ".join(
+            f"{name} ({100.0 * beside:.2g} % beside it, {100.0 * without:.2g} % without)"
+            for name, (beside, without) in found.hidden.items()
+        )
+        return [
+            f"Specimens scatter so much in stiffness that {names} may be hidden there. It is not added, for so few do "
+            f"as much by chance: {more}"
+        ]
     if found.verdict == "noise" and share:
         return [
             f"Tests that differ in stiffness by the {share:.2g} % that specimens scatter by count as noise. Should "
