@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.fitting import least_misfits
+from hyperfab.loop.fitting import least_misfit, least_misfits
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
@@ -123,20 +122,25 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     most = TOLD * search.noise.gain_doubt or ONE_CLOTH
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
 
-    def misfits(one: Candidate) -> tuple[Array, Array, Array]:
-        metrics = [search.noise.among(one.fit.predicted, scatter) for scatter in scatters]
-        entropy = np.array([metric.entropy for metric in metrics])
-        return *least_misfits(search.problem, metrics, one.fit), entropy
-
-    misfit, _, entropy = told = misfits(state)
-    least, taken, _ = told if best in (None, state) else misfits(best)
+    metrics = [search.noise.among(state.fit.predicted, scatter) for scatter in scatters]
+    entropy = np.array([metric.entropy for metric in metrics])
+    misfit, taken = least_misfits(search.problem, metrics, state.fit)
+    least = misfit
+    if best not in (None, state):
+        beside = [search.noise.among(best.fit.predicted, scatter) for scatter in scatters]
+        least, taken = least_misfits(search.problem, beside, best.fit)
     # Of each kind of reading: what lacks in the contraction makes no stress less sure.
-    count = np.unique(search.problem.channel, return_counts=True)[1]
-    surprise = np.sum(misfit / np.maximum(least[-1] / count, 1.0), axis=1) + entropy
+    level = np.maximum(least[-1] / np.unique(search.problem.channel, return_counts=True)[1], 1.0)
+    surprise = misfit @ (1.0 / level) + entropy
     if best is not None:
         variance = np.array(scatters) ** 2
         surprise += CLOTH_COUNTS * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance) - taken
-    likeliest = int(np.argmin(surprise))
+    fitted: set[int] = set()
+    while (likeliest := int(np.argmin(surprise))) not in fitted:
+        # A step to first order promises more than a fit holds where specimens are far apart.
+        fitted.add(likeliest)
+        held = least_misfit(search.problem, metrics[likeliest], state.fit)
+        surprise[likeliest] += float((held - misfit[likeliest]) @ (1.0 / level))
     return float(surprise[likeliest]), scatters[likeliest]
 
 

@@ -21,8 +21,8 @@ _SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
 _DAMPING, _TRIES, _FORESEEN = 1e-4, 8, 0.25
 #: Where the second derivative along a step is read, as a share of it; a bend beside it is at most so long.
 _NEAR, _BENT = 0.1, 0.75
-#: Steps from each of several starts.
-_FEW = 5
+#: Steps from each of several starts, and of a fit in another metric.
+_FEW, _REFIT = 5, 10
 #: How steep the wall is before constants that no material has, in units of what the model misses by.
 _WALL = 1e4
 
@@ -120,7 +120,8 @@ class Descent:
     Priors pull towards the constants' values; bounds hold by projection, what is forbidden by a wall. The fit forgives
     specimens that were led alike what they differ by in stiffness, not what they have in common: in a metric that
     forgives that too a wrong model would drift off the data. What is left is then given in the full metric of the
-    noise. ``coarse`` stops where what can still be gained no longer matters in a comparison.
+    noise. ``coarse`` stops where what can still be gained no longer matters in a comparison. ``metric`` is another
+    that the misfit is counted in.
     """
 
     def __init__(
@@ -132,10 +133,11 @@ class Descent:
         *,
         data: Array | None = None,
         coarse: bool = False,
+        metric: Noise | None = None,
     ) -> None:
         constants = [*problem.own, *(constant for form in forms.values() for constant in form.constants)]
         self.problem, self.forms = problem, forms
-        self.metric = noise.about_means
+        self.metric = noise.about_means if metric is None else metric
         self.low, self.high = _column(constants, "low"), _column(constants, "high")
         self.scale, prior_sd = _column(constants, "scale"), _column(constants, "prior_sd")
         self.centre, self.own = _column(constants, "value"), len(problem.own)
@@ -359,6 +361,12 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tup
         misfits.append([float(np.sum(rest[problem.channel == kind])) for kind in np.unique(problem.channel)])
         taken.append(-float(np.linalg.slogdet(columns.T @ columns)[1]))
     return np.array(misfits), np.array(taken)
+
+
+def least_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
+    """Return the least chi-squared of a model in a metric, by kind of reading (kinds,), by a fit that begins at one."""
+    near = Descent(problem, metric, found.forms, found.x, coarse=True, metric=metric).advance(_REFIT)
+    return np.array([float(np.sum(near.left[problem.channel == kind] ** 2)) for kind in np.unique(problem.channel)])
 
 
 def _column(constants: Sequence[Constant], name: str) -> Array:
