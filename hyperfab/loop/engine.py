@@ -128,7 +128,10 @@ def close(
         less = with_hidden(search, before, 1)[1] if again else np.inf
         return beside(less) if less < level.gain_sd else finding("noise", before, {}, {})
     # A smooth law of one name or two comes before a third.
-    for depth in (2, _DEPTH) if problem.describes else (_DEPTH,):
+    best, depths = before, (2, _DEPTH, _DEPTH + 1) if problem.describes else (_DEPTH,)
+    for depth in depths:
+        if depth > _DEPTH and problem.plain not in best.ids:
+            break  # a better law leaves room for as many effects
         best, tried = _grow(search, before, depth)
         best = _pruned(search, best)
         best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
@@ -138,7 +141,7 @@ def close(
     helpful = _no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = _likely(search, before, helpful, sure_of)
-    best, less = with_hidden(search, best, _DEPTH)
+    best, less = with_hidden(search, best, _DEPTH + (problem.plain in best.ids))
     if again and less < level.gain_sd:
         return beside(less)
     scatter = min(likeliest_scatter(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
