@@ -341,8 +341,8 @@ def _step(
 
 
 def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:
-    """Return the least chi-squared near a fit in each of several metrics, by kind of reading (metrics, kinds), and what
-    telling its constants takes from the logarithm of the determinant of each metric's covariance (metrics,).
+    """Return the least chi-squared near a fit in each of several metrics, and what telling its constants takes from the
+    logarithm of the determinant of each metric's covariance, (metrics,).
 
     It is one step of Gauss and Newton away. The metrics differ in what rows have in common alone. What is taken is as
     in restricted likelihood, over what it is without anything in common: Patterson & Thompson (1971),
@@ -353,14 +353,14 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tup
     plain = metrics[0].plain
     slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, plain)
     span = orthonormal(slope[:, (found.x > low) & (found.x < high)]) * plain.sd[:, None]
-    misfits, taken = [], []
-    for metric in metrics:
+    misfits, taken = np.empty((2, len(metrics)))
+    for k, metric in enumerate(metrics):
         left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(span)
         basis = orthonormal(columns)
-        rest = (left - basis @ (basis.T @ left)) ** 2
-        misfits.append([float(np.sum(rest[problem.channel == kind])) for kind in np.unique(problem.channel)])
-        taken.append(-float(np.linalg.slogdet(columns.T @ columns)[1]))
-    return np.array(misfits), np.array(taken)
+        rest = left - basis @ (basis.T @ left)
+        misfits[k] = rest @ rest
+        taken[k] = -np.linalg.slogdet(columns.T @ columns)[1]
+    return misfits, taken
 
 
 def least_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
