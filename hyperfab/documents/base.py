@@ -221,6 +221,9 @@ def first_error(
             return InputError(f"is no key of {_key(beside)}{more}", file=name, key=key, remedy=hint)
         hint = near(word, [*needed, *known]) or "check the spelling"
         return InputError(f"is not a key of this document{more}", file=name, key=key, remedy=hint)
+    if kind == "list_type" and isinstance(value, dict) and len(first["loc"]) == 1:
+        text = f"is one table where a list of them is due{more}"
+        return InputError(text, file=name, key=key, remedy=f"write [[{key}]], in two brackets, at its head")
     text = first["msg"].removeprefix("Value error, ")
     shown = "" if isinstance(value, (dict, list)) else f", not {_short(value)}"
     return InputError(f"{text[:1].lower()}{text[1:]}{shown if kind != 'value_error' else ''}{more}", file=name, key=key)

@@ -120,6 +120,9 @@ def _syntax_error(error: tomllib.TOMLDecodeError, name: str) -> InputError:
     message = text[: place.start()] if place else text.removesuffix(" (at end of document)")
     message = message[:1].lower() + message[1:]
     hint = 'quantities stand in quotes: "60 mm"' if "after a statement" in message else "correct the line"
+    twice = re.search(r"cannot declare \('(\w+)',\) twice", message)
+    if twice:
+        hint = f"write it once, or each under [[{twice[1]}]], in two brackets, where several may stand"
     if place is None:
         return InputError(f"is not valid TOML: {message} (at its end)", file=name, remedy="is the file whole?")
     return InputError(

@@ -39,6 +39,21 @@ class Repaired:
     notes: tuple[str, ...]
 
 
+def as_typed(vertices: Array) -> Array:
+    """Return coordinates (n, 3) [mm] rounded to the decimal place that single precision still tells apart.
+
+    An STL keeps some seven digits: 20 mm that are written in inch or metres come back a millionth of a millimetre off,
+    and a face that was drawn on that of a box would not touch it.
+
+    >>> as_typed(np.array([[np.float32(-20 / 25.4) * 25.4, 4.0, 100.0]]))
+    array([[-20.,   4., 100.]])
+    """
+    largest = float(np.abs(vertices).max())
+    digits = -int(np.ceil(np.log10(np.finfo(np.float32).eps * largest))) if largest > 0.0 else 0
+    rounded: Array = np.round(vertices, digits)
+    return rounded
+
+
 def repaired(vertices: Array, triangles: Ints, name: str) -> Repaired:
     """Return a closed, outward surface; InputError naming facet and place where it has holes or crossings.
 

@@ -515,6 +515,36 @@ def test_an_stl_stands_where_its_part_says(tmp_path, plate, axis, lies, unit, mm
         assert document["work_surface"][figure] == pytest.approx(given["work_surface"][figure], abs=0.01)
 
 
+def stacked(folder: Path, gap: float):
+    """The plate with a block on it, whose STL was drawn in inches, ``gap`` mm above."""
+    import trimesh
+
+    drawn = trimesh.creation.box((60.0, 40.0, 15.0))
+    drawn.apply_translation((50.0, 40.0, 27.5 + gap))
+    drawn.apply_scale(1 / 25.4)
+    (folder / "block.stl").write_bytes(trimesh.exchange.stl.export_stl(drawn))
+    block = '[[part]]\nname = "block"\nmaterial = "aluminium"\nstl = "block.stl"\nunit = "inch"\n'
+    return heat(folder, HEAD + block + HEATER + RUN + '[work_surface]\non = "block.z+"\n')
+
+
+def test_an_stl_in_inches_touches_the_box_it_was_drawn_on(tmp_path):
+    """Single precision puts its underside at 20.0000005 mm: no heat passed, without a word."""
+    status, document, said = stacked(tmp_path, 0.0)
+    assert (status, said) == (0, [])
+    mass = (100 * 80 * 20 + 60 * 40 * 15) * 1e-9 * 2702.0
+    even = 25.0 + 400.0 * 300.0 / (mass * 903.0)  # of one insulated body
+    assert document["work_surface"]["mean_degC"] == pytest.approx(even, rel=0.01)
+
+
+def test_a_part_that_touches_no_other_is_told_with_its_distance(tmp_path):
+    status, document, said = stacked(tmp_path, 0.3)
+    assert status == 0
+    assert document["work_surface"]["mean_degC"] == pytest.approx(25.0, abs=1e-6)
+    [one] = said
+    assert "part 'block' touches no other: the nearest, 'plate', is 0.3 mm away" in one
+    assert document["notes"] == [one]
+
+
 @pytest.mark.parametrize(
     ("line", "says"),
     [

@@ -165,6 +165,8 @@ CASES = [
     mold("number without quotes", '"3000 W"', "3000", "power", "W"),
     mold("wrong kind of unit", '"3000 W"', '"3000 K"', "power", "no unit of power"),
     mold("hanging unit", '"3000 W"', '"3000 W**(9**9**9)"', "power", "no unit"),
+    mold("one bracket", "[[heater]]", "[heater]", "key heater", "write [[heater]]"),
+    mold("one bracket twice", "[[heater]]", "[heater]\n[heater]", "line", "[[heater]]"),
     mold("unknown key", "density", "densty", "densty"),
     mold("unknown material", 'material = "aluminium"', 'material = "unobtainium"', "unobtainium"),
     mold("unknown face", '"plate.z-"', '"plate.q-"', "plate.q-"),

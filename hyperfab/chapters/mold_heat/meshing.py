@@ -71,12 +71,13 @@ class _Reader:
             raise InputError("has no shape", file=self.name)
         # 0.7 s to load: only surfaces need them, and the mesher can begin on shapes before.
         from hyperfab.chapters.molds import TURNED, read_mesh
-        from hyperfab.thermal.repair import pieces, repaired
+        from hyperfab.thermal.repair import as_typed, pieces, repaired
 
         file = self.inputs.beside(self.name, section.stl)
         surface = read_mesh(self.inputs, file, section.unit or self.stl_unit, self.questions.append)
         origin = np.asarray(section.origin or (0.0, 0.0, 0.0))
-        found = repaired(surface.vertices[:, TURNED[section.axis or "z"]] + origin, surface.faces, file)
+        vertices = as_typed(surface.vertices)[:, TURNED[section.axis or "z"]] + origin
+        found = repaired(vertices, surface.faces, file)
         self.questions.extend(f"{file}: {note}" for note in found.notes)
         return [Stl(*piece, name) for piece in pieces(found.vertices, found.triangles)]
 

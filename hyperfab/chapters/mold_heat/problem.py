@@ -19,6 +19,7 @@ from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid
+from hyperfab.thermal.apart import Apart, apart
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Geometry
@@ -101,6 +102,7 @@ class MoldBuilder:
             lambda volumes: say(self.as_one_body(volumes * 1e-9)),
         )
         mesh = build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
+        self.doubts += [self._alone(one) for one in apart(mesh)]
         faces = Faces(mesh, geometry)
         joints = []
         split = np.zeros(len(mesh.facets.element), dtype=bool)
@@ -152,6 +154,15 @@ class MoldBuilder:
             areas=placing.areas,
             notes=notes,
             pieces=pieces,
+        )
+
+    def _alone(self, one: Apart) -> str:
+        """Say that a body touches no other, and how far the nearest is."""
+        own, nearest = (repr(self.document.part[number].name) for number in (one.part, one.nearest))
+        whose = f"part {own}" if own != nearest else f"a body of part {own}"
+        return (
+            f"{whose} touches no other: the nearest, {nearest}, is {1e3 * one.gap:.2g} mm away, and no heat passes "
+            "between them; if they are to touch, let their faces lie in one plane"
         )
 
     def as_one_body(self, volumes: Array) -> str:

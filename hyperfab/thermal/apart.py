@@ -1,0 +1,63 @@
+"""Bodies of a mold that touch no other: no heat passes to them, though the drawing may look as if it did."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from hyperfab.arrays import Array, Ints
+from hyperfab.thermal.mesh import FACETS, HeatMesh
+
+if TYPE_CHECKING:
+    from hyperfab.surface import Surface
+
+
+@dataclass(frozen=True)
+class Apart:
+    """A body of part number ``part`` that touches no other; the nearest is of part ``nearest``, ``gap`` [m] away."""
+
+    part: int
+    nearest: int
+    gap: float
+
+
+def apart(mesh: HeatMesh) -> list[Apart]:
+    """Return the bodies that hang together with the largest neither directly nor through others.
+
+    ``mesh`` is that of the mesher, before contacts double nodes: faces with a contact between them touch.
+    """
+    elements, vertices = mesh.elements, mesh.vertices
+    links = np.stack([np.repeat(elements[:, 0], 3), elements[:, 1:4].ravel()])
+    graph = sparse.coo_matrix((np.ones(links.shape[1], dtype=np.int8), links), shape=(vertices, vertices))
+    count, label = connected_components(graph, directed=False)
+    if count == 1:
+        return []
+    body = label[elements[:, 0]]
+    outer = mesh.facets.outer
+    element = mesh.facets.element[outer]
+    faces = elements[element[:, None], FACETS[mesh.facets.local[outer], :3]]
+    largest = int(np.bincount(body).argmax())
+    found = []
+    for number in (number for number in range(count) if number != largest):
+        own = body[element] == number
+        here, there = (_facets(mesh.points, faces[which]) for which in (own, ~own))
+        out, back = there.nearest(here.vertices), here.nearest(there.vertices)
+        first, last = np.abs(out.distance).argmin(), np.abs(back.distance).argmin()
+        gaps = abs(float(out.distance[first])), abs(float(back.distance[last]))
+        facet = int(out.face[first])
+        if gaps[1] < gaps[0]:
+            facet = int(np.flatnonzero((there.faces == last).any(axis=1))[0])
+        found.append(Apart(int(mesh.parts[element[own][0]]), int(mesh.parts[element[~own][facet]]), min(gaps)))
+    return found
+
+
+def _facets(points: Array, faces: Ints) -> Surface:
+    """Return the surface that ``faces`` make, of the points they use alone."""
+    from hyperfab.surface import Surface  # 0.7 s to load, and seldom asked for
+
+    used, small = np.unique(faces, return_inverse=True)
+    return Surface(points[used], small.reshape(-1, 3).astype(np.int64))
