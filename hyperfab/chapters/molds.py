@@ -11,11 +11,15 @@ from hyperfab.arrays import Ints
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
-from hyperfab.io.stl import SurfaceMesh, read_stl
+from hyperfab.io.stl import SIZE_RANGE, SurfaceMesh, read_stl
 from hyperfab.surface import Soundness, Surface, consistently_wound
 
 #: Which coordinates of a file become x, y and z where an axis of its own points up: turned, not mirrored.
 TURNED = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
+
+
+#: A sheet is as wide as its mold or punch within this factor: an inch read as a millimetre is 25 times off, a cm 10.
+IN_PROPORTION = 8.0
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,18 @@ def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: st
         )
     shift = (float(-0.5 * (low[0] + high[0])), float(-0.5 * (low[1] + high[1])), float(depth - high[2]))
     return PlacedMold(", ".join(names), surface, all(body.found.closed for body in bodies), shift, depth)
+
+
+def ask_unit(job: Job, name: str, surface: Surface, unit: str, beside: str, least: float, most: float) -> None:
+    """Ask whether the unit is meant where the longest side [mm] is out of proportion to what is ``beside`` it."""
+    sides = surface.bounds[0, 3:] - surface.bounds[0, :3]
+    # Beyond SIZE_RANGE the reader has asked.
+    if not least <= sides.max() <= most and SIZE_RANGE[0] <= sides.max() <= SIZE_RANGE[1]:
+        shown = " x ".join(f"{side:.3g}" for side in sides)
+        job.console.warn(
+            f"{name}: measures {shown} mm when read in {unit}, {beside}; if that is not so, say --stl-unit (mm, cm, m, "
+            "inch)"
+        )
 
 
 def read_mesh(inputs: Inputs, name: str, stl_unit: str, doubt: Callable[[str], None]) -> SurfaceMesh:

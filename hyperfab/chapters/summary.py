@@ -144,9 +144,10 @@ def _heat(data: Plain) -> Iterator[str]:
 
 
 def _press(data: Plain) -> Iterator[str]:
+    flange = " with the flange" if data.get("flange_area_mm2") else ""
     yield (
-        f"the molds touch on {banded(data, 'contact_fraction', '%', 100.0, '.1f')} "
-        f"({banded(data, 'contact_area_mm2', 'mm2', form='.0f')}), "
+        f"the molds touch on {banded(data, 'contact_fraction', '%', 100.0, '.1f')} of the molding surface "
+        f"({banded(data, 'contact_area_mm2', 'mm2', form='.0f')}{flange}), "
         f"force {banded(data, 'force_N', 'N')}, pressure up to {banded(data, 'pressure_max_MPa', 'kPa', 1e3, '.3g')}"
     )
     warm = " and ".join(dict.fromkeys(f"{data[mold]['temperature_degC']:.4g}" for mold in ("male", "female")))

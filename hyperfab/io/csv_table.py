@@ -60,6 +60,7 @@ def read_table(
 ) -> Table:
     """Read the named ``columns`` of a CSV table: name to kind of quantity or unit (see ``hyperfab.io.units.KINDS``).
 
+    A ``time`` that no column is called is the first that tells a time of day in every row, with a date or without.
     ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
     row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
     (thermocouples: one temperature column a probe); they are found under their labels, of which some are expected
@@ -84,7 +85,7 @@ def read_table(
     wanted: dict[str, tuple[Heading, str]] = {}
     for column, asked in {**columns, **(optional or {})}.items():
         kind = _kind(asked)
-        heading = sheet.find(column)
+        heading = sheet.find(column) or (_moments(sheet) if kind == "time" and column in columns else None)
         if heading is None and column in columns:
             raise _missing(sheet, column, columns, offered)
         if heading is not None:
@@ -112,6 +113,15 @@ def read_table(
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+
+
+def _moments(sheet: CsvSheet) -> Heading | None:
+    """Return the first column that tells a time of day in every row, whatever it is called: a logger's clock."""
+    for one in sheet.headings:
+        cells = sheet.columns[one.index]
+        if one.name != "aside" and cells and all(":" in cell and is_clock(cell) for cell in cells):
+            return one
+    return None
 
 
 def _unread(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> list[Heading]:

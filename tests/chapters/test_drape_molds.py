@@ -87,6 +87,16 @@ def test_a_mold_in_another_unit_stops_at_the_question(drape):
     assert json.loads(out)["force_N"] == pytest.approx(json.loads(drape((vertices, faces))[1])["force_N"], rel=1e-6)
 
 
+def test_a_mold_in_inches_that_passes_for_a_small_one_is_asked_about(drape):
+    """5 mm wide under a sheet of 160: it was draped without a word."""
+    vertices, faces = cup()
+    _, _, err = drape((vertices / 25.4, faces))
+    [said] = [line for line in err.splitlines() if "measures" in line]
+    assert "measures 4.72 x 3.94 x 1.97 mm when read in mm, the sheet" in said
+    assert "--stl-unit" in said
+    assert "measures" not in drape((vertices / 25.4, faces), "--stl-unit", "inch")[2]
+
+
 def test_a_tiny_mold_that_is_meant_is_draped_by_a_sheet_that_fits_it(drape):
     """At the same thickness the force of a net goes with the length. It was told to state the unit that it stated."""
     vertices, faces = cup()

@@ -142,6 +142,15 @@ def test_punches_that_cannot_be_meant_are_refused(hf, made):
     assert "p.stl" in said
 
 
+def test_a_punch_in_inches_that_passes_for_a_needle_is_asked_about(hf, made):
+    """It was pressed into the sheet as a ball of 4.7 mm, for many minutes, without a word."""
+    _ball(60.0 / 25.4).export("p.stl")
+    words = ("--size", "200mm", "--depth", "3mm", "--mesh-size", "90mm")  # too coarse a mesh: ended before it runs
+    _, said = _punched(hf, made, *words)
+    assert "p.stl: measures 4.72 x 4.72 x 4.72 mm when read in mm, the sheet 200 mm" in said
+    assert "measures" not in _punched(hf, made, *words, "--stl-unit", "inch")[1]
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -134,6 +134,19 @@ def test_winding_order_format_and_unit_of_the_files_do_not_change_the_answer(sho
     assert found["force_N"] == pytest.approx(plain["force_N"], rel=1e-4)
 
 
+def test_molds_in_inches_that_pass_for_small_ones_are_asked_about(shop, monkeypatch, capsys):
+    """Molds 7 mm wide about 4.5 mm of foam: 100 % of 63 mm2 touched, without a word."""
+    for name, solid in zip(("male", "female"), solids(), strict=True):
+        (shop / f"{name}-inch.stl").write_bytes(stl_bytes(solid.vertices / 25.4, solid.faces))
+    inches = {"male": "male-inch.stl", "female": "female-inch.stl", "gap": "3mm"}
+    press(shop, monkeypatch, **inches)
+    said = capsys.readouterr().err
+    assert "male-inch.stl: measures" in said
+    assert "mm when read in mm, the sandwich 4.5 mm thick; if that is not so, say --stl-unit" in said
+    press(shop, monkeypatch, **inches, stl_unit="inch")
+    assert "measures" not in capsys.readouterr().err
+
+
 def test_collision_of_the_hot_molds_is_a_negative_verdict_and_says_how_far_to_open(shop, monkeypatch, capsys):
     status, document = press(shop, monkeypatch, gap="0.2mm", temperature="200degC")
     assert status == 1

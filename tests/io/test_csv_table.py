@@ -182,3 +182,24 @@ def test_constants_beside_the_first_row_alone_do_not_make_the_others_short() -> 
     data = b"time [s],T1 [degC],Material_rho,Length\n0,25,7850,0.01\n60,31.5\n120,33\n"
     table = read_table(data, "t.csv", {"time": "time"}, rest="temperature")
     assert table["T1"].tolist() == [25, 31.5, 33]
+
+
+@pytest.mark.parametrize(
+    ("head", "moments"),
+    [
+        ("Datum;Uhrzeit", ("14.03.2025;23:59:30", "15.03.2025;00:00:00", "15.03.2025;00:01:00")),
+        ("Zeitstempel", ("14.03.2025 23:59:30", "15.03.2025 00:00:00", "15.03.2025 00:01:00")),
+        ("Horodatage", ("2025-03-14T23:59:30Z", "2025-03-15T00:00:00Z", "2025-03-15T00:01:00Z")),
+        ("Scan;Time of day", ("1;11:59:30 PM", "2;12:00:00 AM", "3;12:01:00 AM")),
+    ],
+)
+def test_a_loggers_clock_is_the_time_whatever_it_is_called(head, moments) -> None:
+    rows = "".join(f"{moment};{25 + i},5\n" for i, moment in enumerate(moments))
+    table = read_table(f"{head};cup [\u00b0C]\n{rows}".encode(), "log.csv", {"time": "time"}, rest="temperature")
+    assert table["time"].tolist() == [0.0, 30.0, 90.0]
+    assert table["cup"].tolist() == [25.5, 26.5, 27.5]
+
+
+def test_a_date_alone_is_no_time() -> None:
+    with pytest.raises(InputError, match="has no column time"):
+        read_table(b"Datum;T [degC]\n14.03.2025;20\n15.03.2025;21\n", "log.csv", {"time": "time"}, rest="temperature")

@@ -310,12 +310,14 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
     strange = [column for column in columns if column.casefold() not in known]
     if strange:
         told = [one.entry for one in layout.columns]
-        aside = filled_in([*told, *((column, "aside") for column in strange)])
+        remedy = f'name the columns after the [[probe]] tables, or these after the columns (name = "{strange[0]}")'
+        if len(strange) < len(columns):
+            remedy += f", or leave the others out: {filled_in([*told, *((column, 'aside') for column in strange)])}"
         raise InputError(
             f"is no probe of the mold; it has {', '.join(probes) or 'none'}",
             file=name,
             column=strange[0],
-            remedy=f"name the columns after the [[probe]] tables, or leave those of others out: {aside}",
+            remedy=remedy,
         )
     readings = np.stack([table[column] for column in columns], axis=1)
     for number, column in enumerate(columns):

@@ -190,9 +190,10 @@ def _tell_overlap(job: Job, closed: Closed, way: PressFrame) -> None:
 
 def _judge(job: Job, result: PressDocument, closed: Closed, case: PressCase) -> int:
     percent = 100.0 * result.contact_fraction
+    flange = " with the flange" if result.flange_area_mm2 > 0.0 else ""
     job.console.note(
-        f"touching {percent:.1f} % ({result.contact_area_mm2:.0f} mm2), gap {result.gap_min_mm:.3f} to "
-        f"{result.gap_max_mm:.3f} mm, force {result.force_N:.4g} N"
+        f"touching {percent:.1f} % of the molding surface, {result.contact_area_mm2:.0f} mm2{flange}, gap "
+        f"{result.gap_min_mm:.3f} to {result.gap_max_mm:.3f} mm, force {result.force_N:.4g} N"
     )
     status = 0
     if result.formed is not None:

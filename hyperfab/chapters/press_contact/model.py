@@ -9,6 +9,7 @@ import numpy as np
 
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import ask_unit
 from hyperfab.chapters.press_contact import inputs as read
 from hyperfab.chapters.press_contact.heat import HeatInput, ThermalDisplacement, grow, read_heat
 from hyperfab.chapters.press_contact.laws import Fabrics, compression_law, fabrics, note_temperature, thinning
@@ -21,6 +22,9 @@ from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
+
+#: A mold is wider than so many thicknesses of the sandwich; an inch read as a millimetre makes a cup two of them.
+LEAST_LAYERS = 5.0
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,9 @@ def read_files(job: Job, case: PressCase) -> Files:
     layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
     one, two, frame = read.read_molds(job, case)
+    thickness = document.thickness + layers.thickness
+    beside = f"the sandwich {thickness:.3g} mm thick"
+    ask_unit(job, case.male, one, case.stl_unit, beside, LEAST_LAYERS * thickness, np.inf)
     uneven = read.variation(case.foam, document, case.axis, one.vertices)
     tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
     if case.floating and tilt.any():
