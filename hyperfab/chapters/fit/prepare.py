@@ -24,6 +24,9 @@ _PRELOADS = ("stress", "membrane-stress", "force")
 #: while it came back by less than the third of its whole way.
 _HELD, _GONE, _STILL = 0.5, 0.05, 0.003
 
+#: The slope at a preload is that of the rows up to so many times it, and of so many rows at least.
+_TANGENT, _TANGENT_ROWS = 3.0, 3
+
 
 @dataclass(frozen=True)
 class Steps:
@@ -117,7 +120,8 @@ def prepare(
     if steps.preload is not None:
         found = [_after_preload(curve, _preload_of(curve, steps.preload), left_out) for curve in found]
         told.append(
-            f"slack taken out: rows before the load reaches {steps.preload} left out, stretch counted from there"
+            f"slack taken out: rows before the load reaches {steps.preload} left out, stretch counted from where it "
+            "would be zero by its slope there"
         )
     if steps.resample is not None:
         found = [_resampled(curve, steps.resample) for curve in found]
@@ -216,8 +220,13 @@ def _counted_from(curve: TestData, origin: float, origin2: float | None) -> Test
 
 
 def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> TestData:
-    """Count the stretch from where the stress, pulling or pressing, passes the preload for good; lengths of the slack
-    are no strain."""
+    """Leave out what comes before the stress, pulling or pressing, passes the preload for good, and count the stretch
+    from rest: lengths of the slack are no strain, that which the preload itself takes is.
+
+    Rest is where the stress would be zero by its slope there, as testing standards take a toe out (ASTM D638, Annex
+    A1), and not before the first row. Counted from the preload, a law, which is without stress at rest, would read
+    stiff: of a knit whose preload is 2 % of its largest load by a third.
+    """
     # Of ends as far on both sides the first, whatever their last digits.
     peak = int(np.argmax(np.round(np.abs(np.log(curve.principal)), 9)))
     stress = -curve.stress if curve.principal[peak] < 1.0 else curve.stress
@@ -236,8 +245,22 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
 
     if start:
         left_out["slack, before the preload"] += start
+    level = preload if start else float(stress[0])
+    way = np.arange(start, peak + 1)
+    way = way[: max(_TANGENT_ROWS, int(np.argmax(np.append(stress[way], np.inf) > _TANGENT * level)))]
+    origin, back = there(curve.stretch), 0.0
+    slope = float(np.polyfit(curve.stretch[way], stress[way], 1)[0]) if len(way) >= _TANGENT_ROWS else 0.0
+    if slope * (curve.principal[peak] - 1.0) > 0.0:
+        back = -level / slope
+        if start:
+            before = curve.stretch[: start + 1] - origin
+            back = max(back, float(before.min())) if back < 0.0 else min(back, float(before.max()))
     kept = curve.take(np.arange(start, len(curve.stretch)))
-    return _counted_from(kept, there(curve.stretch), None if curve.stretch2 is None else there(curve.stretch2))
+    origin2 = None
+    if curve.stretch2 is not None:
+        across = float(np.polyfit(curve.stretch[way], curve.stretch2[way], 1)[0]) if back else 0.0
+        origin2 = there(curve.stretch2) + across * back
+    return _counted_from(kept, origin + back, origin2)
 
 
 def _resampled(curve: TestData, points: int) -> TestData:

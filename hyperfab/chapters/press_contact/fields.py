@@ -102,8 +102,9 @@ def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:
     )
     data = document.to_json()
     title = (
-        f"touching {banded(data, 'contact_fraction', '%', 100.0, '.1f')} of the molding surface, gap {document.gap_min_mm:.2f} to "
-        f"{document.gap_max_mm:.2f} mm, closing force {banded(data, 'force_N', 'N', form='.3g')}"
+        f"touching {banded(data, 'contact_fraction', '%', 100.0, '.1f')} of the molding surface, gap "
+        f"{document.gap_min_mm:.2f} to {document.gap_max_mm:.2f} mm, closing force "
+        f"{banded(data, 'force_N', 'N', form='.3g')}"
     )
     return spotting(mold, told.curve[:, :2], title, (sure.interval("stroke_mm"), sure.interval("force_N")))
 
