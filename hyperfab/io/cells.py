@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
 _CLOCK = re.compile(
-    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?)?"
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?|Z)?"
 )
 _PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 #: What spreadsheets and machines write where there is no reading.

@@ -33,6 +33,8 @@ _OTHERS = (
     (b"MATLAB 5.0", "is a MATLAB file", "export the table as CSV (writetable)"),
     (b"PAR1", "is a Parquet file", "export the table as CSV or .xlsx"),
 )
+#: A document of a command, in JSON or TOML: what it says of itself.
+_DOCUMENT = re.compile(rb"""\s*(?:\{\s*"format"\s*:|(?:\#[^\n]*\n\s*)*format\s*=)\s*"(hyperfab\.[\w-]+/\d+)\"""")
 
 
 def decode(data: bytes, name: str, wanted: tuple[str, ...] = ()) -> str:
@@ -51,6 +53,13 @@ def decode(data: bytes, name: str, wanted: tuple[str, ...] = ()) -> str:
     for start, what, remedy in _OTHERS:
         if data.startswith(start):
             raise InputError(what, file=name, remedy=remedy)
+    document = _DOCUMENT.match(data)
+    if document:
+        raise InputError(
+            f"is a document, {document[1].decode()}, no table of readings",
+            file=name,
+            remedy="give the file that the readings stand in",
+        )
     text = _decoded(data, name, wanted).removeprefix("\ufeff")
     found = _CONTROL.search(text)
     if found:

@@ -25,6 +25,8 @@ Parsed = TypeVar("Parsed")
 MAX_BYTES = 256 * 2**20
 #: The line by which a TOML document says what it is, and no JSON does.
 _TOML = re.compile(rb"^(?:\xef\xbb\xbf)?[ \t]*format[ \t]*=", re.MULTILINE)
+#: The marks of text in UTF-16, which has zero bytes as a surface or a picture has.
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class Inputs:
         """
         data = self.read(name)
         toml = name.endswith(".toml") or _TOML.search(data)
+        if b"\x00" in data[:2048] and not data.startswith(_UTF16):
+            raise InputError("is no text, so no document", file=name, remedy="give a document that a command wrote")
         return load_toml(data, name) if toml else load_json(data, name)
 
     def parsed(self, name: str, kind: object, parse: Callable[[Any], Parsed]) -> Parsed:

@@ -62,6 +62,12 @@ def load_json(data: bytes, name: str) -> Any:
     except _Refused as error:
         raise _located(error, text, name) from None
     except json.JSONDecodeError as error:
+        if not text[: error.pos].strip():
+            raise InputError(
+                "is no document",
+                file=name,
+                remedy="give one that a command wrote (hf fit makes one of a test), or one in TOML named .toml",
+            ) from None
         line, character = position(text, error.pos)
         raise InputError(
             f"is not valid JSON: {error.msg} (character {character})",

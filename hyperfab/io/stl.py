@@ -114,6 +114,8 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
             remedy="export it as STL",
         )
     room = (len(data) - _HEADER) // 50
+    if claimed > room and b"\x00" not in data[:2048]:
+        raise InputError("is text, no STL", file=name, remedy="give the surface, exported as STL")
     if claimed > room:
         raise InputError(
             f"claims {claimed} facets and has room for {room}",
