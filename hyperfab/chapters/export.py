@@ -33,7 +33,7 @@ def run(job: Job, case: ExportCase) -> int:
         own = [way for way, one in source.directions.items() if one.parameters == source.parameters]
         job.console.warn(
             f"the material has directions ({', '.join(source.directions)}); the card has the constants of "
-            + (" and ".join(own) if own else "both together")
+            + (" and ".join(own) or f'all together; --direction "{next(iter(source.directions))}" writes those of one')
         )
     # A sheet has warp and weft, whether or not the document says again what each is.
     told = direction is None or direction in (source.directions or ())

@@ -345,6 +345,8 @@ def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_messag
     with pytest.raises(InputError, match=f'--columns "{option}"'):
         read_thermocouples(job, "t.csv", ["a"], PLAIN)
     assert read_thermocouples(job, "t.csv", ["a"], layout([option])).names == ["a"]
+    with pytest.raises(InputError, match=r'name = "a"\)$'):  # none is left where all are set aside
+        read_thermocouples(job, "t.csv", ["cup"], PLAIN)
 
 
 def test_an_effect_that_was_added_is_not_among_those_the_data_cannot_show() -> None:

@@ -33,7 +33,8 @@ def test_card_comes_on_standard_output_and_from_standard_input(hf: Run, fabric: 
     done = hf("export", "-", "--to", "febio", stdin=fabric.read_bytes())
     assert done.returncode == 0
     assert b'type="Yeoh"' in done.stdout
-    assert b"directions (warp, weft)" in done.stderr
+    assert b"directions (warp, weft); the card has the constants of all together" in done.stderr
+    assert b'--direction "warp" writes those of one' in done.stderr
 
 
 @pytest.mark.parametrize(

@@ -370,7 +370,12 @@ def test_only_the_document_goes_to_standard_output(hf, shop):
         cwd=shop,
     )
     assert found.returncode == 0, found.stderr
-    assert json.loads(found.stdout)["format"] == "hyperfab.press/1"
+    document = json.loads(found.stdout)
+    assert document["format"] == "hyperfab.press/1"
+    # The share is of the molding surface; the flange's area is in the other figure, and it is said.
+    assert document["flange_area_mm2"] > 0.0
+    told = f"{100 * document['contact_fraction']:.1f} % of the molding surface, {document['contact_area_mm2']:.0f} mm2"
+    assert f"touching {told} with the flange, gap" in found.stderr.decode()
 
 
 def test_a_mold_grows_by_its_own_field_of_temperature(tmp_path, monkeypatch):
