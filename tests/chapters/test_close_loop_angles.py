@@ -12,6 +12,7 @@ from conftest import Run
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.materials.effects.grip_slack import BENDS, STAYS
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
 
@@ -76,8 +77,8 @@ def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(h
     found = json.loads((tmp_path / "loop.json").read_text())
     assert found["verdict"] != "noise", done.stderr
     assert "anisotropy" in [one["id"] for one in found["effects"]]
-    # What replicates differ by, 1 %, bounds what may pass for scatter: directions differ threefold.
-    assert found["noise"]["specimen_scatter"] < 0.03
+    # What replicates differ by, 1 %, beside what is usual bounds what may pass for scatter: directions differ threefold.
+    assert found["noise"]["specimen_scatter"] < 0.04
     assert found["held_out"]["after"]["nrmse"] < 0.02 < 0.05 < found["held_out"]["before"]["nrmse"]
     text = (tmp_path / "loop.model.json").read_bytes()
     document = parse_document(json.loads(text), "loop.model.json", MaterialDocument)
@@ -104,7 +105,8 @@ def test_a_laminate_cut_at_four_angles_shows_its_threads(
     assert found["effects"][0]["id"] == "anisotropy"
     assert found["error"]["after"]["nrmse"] < 0.05
     assert found["held_out"]["after"]["rms"] < 0.25 * found["held_out"]["before"]["rms"]
-    assert "grip-slack" not in [one["id"] for one in found["effects"]]
+    # Strips may have slack of their own; grips that give with the load would stand for what threads do.
+    assert not {one["form"] for one in found["effects"]} & {*BENDS, *STAYS}
 
 
 @pytest.mark.slow
