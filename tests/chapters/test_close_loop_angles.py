@@ -77,7 +77,7 @@ def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(h
     found = json.loads((tmp_path / "loop.json").read_text())
     assert found["verdict"] != "noise", done.stderr
     assert "anisotropy" in [one["id"] for one in found["effects"]]
-    # What replicates differ by, 1 %, beside what is usual bounds what may pass for scatter: directions differ threefold.
+    # What replicates differ by, 1 %, and what is usual bound what may pass for scatter: directions differ threefold.
     assert found["noise"]["specimen_scatter"] < 0.04
     assert found["held_out"]["after"]["nrmse"] < 0.02 < 0.05 < found["held_out"]["before"]["nrmse"]
     text = (tmp_path / "loop.model.json").read_bytes()
