@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from hashlib import sha256
-from importlib import import_module
 
 from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.close_loop.domain import Given, How, kind_of
@@ -14,8 +13,8 @@ from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
 
-#: The kinds of model that the loop can be closed on, and the module of each.
-DOMAINS = {"material": "fabric", "mold": "heat", "press": "press", "contact": "contact", "drape": "drape"}
+#: The kinds of model that the loop can be closed on.
+BUILT = ("material", "mold", "press", "contact", "drape")
 
 
 def run(job: Job, case: LoopCase) -> int:
@@ -26,7 +25,7 @@ def run(job: Job, case: LoopCase) -> int:
         raise UsageError("nothing to compare with; give measured data as FILE.csv behind the model")
     how = How(kinds, geometry(case), steps_of(case))
     kind, data = kind_of(job, model)
-    if kind not in DOMAINS:
+    if kind not in BUILT:
         raise InputError(
             f"is a {kind} document, a model is needed",
             file=model,
@@ -39,8 +38,23 @@ def run(job: Job, case: LoopCase) -> int:
         raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
     _refuse_doubles(job, measured, case.held)
     given = Given(model, data, measured, case, layout(case.columns, case.skip_rows, case.decimal), how)
-    domain: Callable[[Job, Given], int] = import_module(f"{__name__}.{DOMAINS[kind]}").run  # what is asked for alone
-    return domain(job, given)
+    return domain_of(kind)(job, given)
+
+
+def domain_of(kind: str) -> Callable[[Job, Given], int]:
+    """Return what closes the loop on a kind of model; imported only when it is asked for."""
+    domain: Callable[[Job, Given], int]
+    if kind == "material":
+        from hyperfab.chapters.close_loop.fabric import run as domain
+    elif kind == "mold":
+        from hyperfab.chapters.close_loop.heat import run as domain
+    elif kind == "press":
+        from hyperfab.chapters.close_loop.press import run as domain
+    elif kind == "contact":
+        from hyperfab.chapters.close_loop.contact import run as domain
+    else:
+        from hyperfab.chapters.close_loop.drape import run as domain
+    return domain
 
 
 def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
