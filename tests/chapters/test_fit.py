@@ -281,6 +281,28 @@ def test_a_specimen_mounted_under_load_is_counted_from_its_rest(hf: Run, tmp_pat
     assert found["parameters"]["C10_MPa"] == pytest.approx(0.2, rel=0.02)  # the chord, as above
 
 
+def test_a_machine_that_holds_its_preload_tells_no_slope_meanwhile(hf: Run, tmp_path: Path) -> None:
+    """Six rows at one length while it relaxes, then every 10 %: the six alone put rest at a length below none."""
+    lam = np.concatenate([np.full(6, 1.03), np.arange(1.13, 1.8, 0.1)])
+    stress = 0.4 * (lam - lam**-2)
+    stress[:6] *= 1.0 + 0.05 * np.exp(-np.arange(6.0))
+    rows = [f"{a / 1.03:.6f},{s:.9f}" for a, s in zip(lam, stress, strict=True)]
+    (tmp_path / "a.csv").write_text("stretch,stress [MPa]\n" + "\n".join(rows) + "\n")
+    found = fit(hf, "--uniaxial", "a.csv", "--model", "neo-hookean", "--preload", "0.03 MPa", cwd=tmp_path)
+    assert found["parameters"]["C10_MPa"] == pytest.approx(
+        0.2, rel=0.1
+    )  # the chord over 10 %, less steep than the law at rest
+
+
+def test_a_load_far_above_the_preload_tells_no_rest(hf: Run, tmp_path: Path) -> None:
+    """0.3 MPa at the first row, 0.5 MPa 80 % on: the slope is zero at a length below none."""
+    rows = [f"{1.0 + 0.8 * k / 29:.6f},{0.3 + 0.2 * k / 29:.6f}" for k in range(30)]
+    (tmp_path / "a.csv").write_text("stretch,stress [MPa]\n" + "\n".join(rows) + "\n")
+    done = hf("fit", "--uniaxial", "a.csv", "--preload", "0.03 MPa", cwd=tmp_path)
+    assert done.returncode == 3
+    assert b"begins at 0.3 MPa, from which its slope tells no length at rest" in done.stderr
+
+
 def test_cycles_and_branches_are_found_where_the_file_does_not_number_them(hf: Run, tmp_path: Path) -> None:
     loop_csv(tmp_path / "loop.csv")
     rows = (tmp_path / "loop.csv").read_text().splitlines()

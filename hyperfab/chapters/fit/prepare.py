@@ -24,8 +24,11 @@ _PRELOADS = ("stress", "membrane-stress", "force")
 #: while it came back by less than the third of its whole way.
 _HELD, _GONE, _STILL = 0.5, 0.05, 0.003
 
-#: The slope at a preload is that of the rows up to so many times it, and of so many rows at least.
-_TANGENT, _TANGENT_ROWS = 3.0, 3
+#: The slope at a preload is that of the rows up to so many times it, or one more where they do not go on to so many
+#: times it, and of so many rows at least.
+_TANGENT, _RISES, _TANGENT_ROWS = 3.0, 1.5, 3
+#: A specimen that was mounted under load was no more than so many times as long as at rest, nor as short.
+_MOUNTED = 2.0
 
 
 @dataclass(frozen=True)
@@ -224,8 +227,8 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
     from rest: lengths of the slack are no strain, that which the preload itself takes is.
 
     Rest is where the stress would be zero by its slope there, as testing standards take a toe out (ASTM D638, Annex
-    A1), and not before the first row. Counted from the preload, a law, which is without stress at rest, would read
-    stiff: of a knit whose preload is 2 % of its largest load by a third.
+    A1), but not outside the rows below the preload, if any. Counted from the preload, a law, which is without stress
+    at rest, would read stiff: of a knit whose preload is 2 % of its largest load by a third.
     """
     # Of ends as far on both sides the first, whatever their last digits.
     peak = int(np.argmax(np.round(np.abs(np.log(curve.principal)), 9)))
@@ -247,14 +250,24 @@ def _after_preload(curve: TestData, preload: float, left_out: Counter[str]) -> T
         left_out["slack, before the preload"] += start
     level = preload if start else float(stress[0])
     way = np.arange(start, peak + 1)
-    way = way[: max(_TANGENT_ROWS, int(np.argmax(np.append(stress[way], np.inf) > _TANGENT * level)))]
+    near = int(np.argmax(np.append(stress[way], np.inf) > _TANGENT * level))
+    # A machine that holds the preload before it pulls tells no slope until it does.
+    near += bool(np.max(stress[way[:near]], initial=0.0) < _RISES * level)
+    way = way[: max(_TANGENT_ROWS, near)]
     origin, back = there(curve.stretch), 0.0
-    slope = float(np.polyfit(curve.stretch[way], stress[way], 1)[0]) if len(way) >= _TANGENT_ROWS else 0.0
+    tells = len(way) >= _TANGENT_ROWS and np.ptp(curve.stretch[way]) > 0.0
+    slope = float(np.polyfit(curve.stretch[way], stress[way], 1)[0]) if tells else 0.0
     if slope * (curve.principal[peak] - 1.0) > 0.0:
         back = -level / slope
         if start:
             before = curve.stretch[: start + 1] - origin
             back = max(back, float(before.min())) if back < 0.0 else min(back, float(before.max()))
+        elif curve.mode != "simple-shear" and not 1.0 / _MOUNTED < 1.0 + back / origin < _MOUNTED:
+            raise InputError(
+                f"begins at {level:.3g} {curve.stress_unit}, from which its slope tells no length at rest",
+                file=curve.source,
+                remedy="leave --preload out, or give a file that begins at a smaller load",
+            )
     kept = curve.take(np.arange(start, len(curve.stretch)))
     origin2 = None
     if curve.stretch2 is not None:
