@@ -18,15 +18,17 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Apart:
-    """A body of part number ``part`` that touches no other; the nearest is of part ``nearest``, ``gap`` [m] away."""
+    """Bodies of the part numbers ``parts`` that touch nothing but each other, ``whole`` parts or some of their bodies;
+    the nearest is of part ``nearest``, ``gap`` [m] away."""
 
-    part: int
+    parts: tuple[int, ...]
+    whole: bool
     nearest: int
     gap: float
 
 
 def apart(mesh: HeatMesh) -> list[Apart]:
-    """Return the bodies that hang together with the largest neither directly nor through others.
+    """Return the bodies that hang together with the largest, by volume, neither directly nor through others.
 
     ``mesh`` is that of the mesher, before contacts double nodes: faces with a contact between them touch.
     """
@@ -40,7 +42,9 @@ def apart(mesh: HeatMesh) -> list[Apart]:
     outer = mesh.facets.outer
     element = mesh.facets.element[outer]
     faces = elements[element[:, None], FACETS[mesh.facets.local[outer], :3]]
-    largest = int(np.bincount(body).argmax())
+    corners = mesh.points[elements[:, :4]]
+    volume = np.linalg.det(corners[:, 1:] - corners[:, :1])
+    largest = int(np.bincount(body, volume).argmax())
     found = []
     for number in (number for number in range(count) if number != largest):
         own = body[element] == number
@@ -51,7 +55,10 @@ def apart(mesh: HeatMesh) -> list[Apart]:
         facet = int(out.face[first])
         if gaps[1] < gaps[0]:
             facet = int(np.flatnonzero((there.faces == last).any(axis=1))[0])
-        found.append(Apart(int(mesh.parts[element[own][0]]), int(mesh.parts[element[~own][facet]]), min(gaps)))
+        parts = np.unique(mesh.parts[body == number])
+        whole = not np.isin(parts, mesh.parts[body != number]).any()
+        nearest = int(mesh.parts[element[~own][facet]])
+        found.append(Apart(tuple(parts.tolist()), whole, nearest, min(gaps)))
     return found
 
 

@@ -515,8 +515,8 @@ def test_an_stl_stands_where_its_part_says(tmp_path, plate, axis, lies, unit, mm
         assert document["work_surface"][figure] == pytest.approx(given["work_surface"][figure], abs=0.01)
 
 
-def stacked(folder: Path, gap: float):
-    """The plate with a block on it, whose STL was drawn in inches, ``gap`` mm above."""
+def stacked(folder: Path, gap: float, more: str = ""):
+    """The plate with a block on it, whose STL was drawn in inches, ``gap`` mm above, and ``more`` parts."""
     import trimesh
 
     drawn = trimesh.creation.box((60.0, 40.0, 15.0))
@@ -524,7 +524,7 @@ def stacked(folder: Path, gap: float):
     drawn.apply_scale(1 / 25.4)
     (folder / "block.stl").write_bytes(trimesh.exchange.stl.export_stl(drawn))
     block = '[[part]]\nname = "block"\nmaterial = "aluminium"\nstl = "block.stl"\nunit = "inch"\n'
-    return heat(folder, HEAD + block + HEATER + RUN + '[work_surface]\non = "block.z+"\n')
+    return heat(folder, HEAD + block + more + HEATER + RUN + '[work_surface]\non = "block.z+"\n')
 
 
 def test_an_stl_in_inches_touches_the_box_it_was_drawn_on(tmp_path):
@@ -543,6 +543,27 @@ def test_a_part_that_touches_no_other_is_told_with_its_distance(tmp_path):
     [one] = said
     assert "part 'block' touches no other: the nearest, 'plate', is 0.3 mm away" in one
     assert document["notes"] == [one]
+
+
+def test_parts_that_touch_each_other_alone_are_told_together(tmp_path):
+    """The plate has most of the mold; the block is no part that touches none."""
+    cap = '[[part]]\nname = "cap"\nmaterial = "aluminium"\nbox = '
+    cap += '{ origin = ["40 mm", "30 mm", "35.5 mm"], size = ["20 mm", "20 mm", "5 mm"] }\n'
+    _, _, [one] = stacked(tmp_path, 0.5, cap)
+    assert "parts 'block' and 'cap' touch each other and no other: the nearest, 'plate', is 0.5 mm away" in one
+
+
+def test_of_a_part_in_two_bodies_the_one_that_touches_no_other_is_told(tmp_path):
+    """Nearest to the body that hangs in the air is another part, and its own part touches that elsewhere."""
+    import trimesh
+
+    bodies = [trimesh.creation.box((20.0, 40.0, 15.0)) for _ in range(2)]
+    bodies[0].apply_translation((20.0, 40.0, 27.5))
+    bodies[1].apply_translation((80.0, 40.0, 28.0))
+    (tmp_path / "block.stl").write_bytes(trimesh.exchange.stl.export_stl(trimesh.util.concatenate(bodies)))
+    block = '[[part]]\nname = "block"\nmaterial = "aluminium"\nstl = "block.stl"\n'
+    _, _, [one] = heat(tmp_path, HEAD + block + HEATER + RUN + '[work_surface]\non = "block.z+"\n')
+    assert "a body of part 'block' touches no other: the nearest, 'plate', is 0.5 mm away" in one
 
 
 @pytest.mark.parametrize(

@@ -157,11 +157,13 @@ class MoldBuilder:
         )
 
     def _alone(self, one: Apart) -> str:
-        """Say that a body touches no other, and how far the nearest is."""
-        own, nearest = (repr(self.document.part[number].name) for number in (one.part, one.nearest))
-        whose = f"part {own}" if own != nearest else f"a body of part {own}"
+        """Say that bodies touch no other, and how far the nearest is."""
+        own = [repr(self.document.part[number].name) for number in one.parts]
+        whose = ("" if one.whole else "a body of ") + f"part{'s'[: len(own) - 1]} {' and '.join(own)}"
+        touches = "touches" if len(own) == 1 else "touch each other and"
+        nearest = repr(self.document.part[one.nearest].name)
         return (
-            f"{whose} touches no other: the nearest, {nearest}, is {1e3 * one.gap:.2g} mm away, and no heat passes "
+            f"{whose} {touches} no other: the nearest, {nearest}, is {1e3 * one.gap:.2g} mm away, and no heat passes "
             "between them; if they are to touch, let their faces lie in one plane"
         )
 
