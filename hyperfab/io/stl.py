@@ -99,7 +99,8 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
         raise InputError("is empty", file=name, remedy="an STL surface is expected")
     claimed = int.from_bytes(data[80:84], "little") if len(data) >= _HEADER else -1
     size = _HEADER + 50 * claimed
-    looks_ascii = data[:512].lstrip()[:5].lower() == b"solid" and b"\x00" not in data[:2048]
+    text = b"\x00" not in data[:2048]
+    looks_ascii = text and data[:512].lstrip()[:5].lower() == b"solid"
     if claimed >= 0 and len(data) == size:
         return _binary(data, claimed, name), []
     for start, what in _OTHERS:
@@ -114,7 +115,7 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
             remedy="export it as STL",
         )
     room = (len(data) - _HEADER) // 50
-    if claimed > room and b"\x00" not in data[:2048]:
+    if claimed > room and text:
         raise InputError("is text, no STL", file=name, remedy="give the surface, exported as STL")
     if claimed > room:
         raise InputError(

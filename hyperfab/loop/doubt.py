@@ -68,7 +68,7 @@ def with_hidden(search: Search, best: Candidate, most: int) -> tuple[Candidate, 
 
 
 def perhaps_hidden(search: Search, best: Candidate) -> dict[str, tuple[float, float]]:
-    """Return entries that are likelier hidden by the scatter of specimens than not, though it may be chance, and how
+    """Return entries that the scatter of specimens hides by more than ``ODDS`` to one, though it may be chance, and how
     much these scatter beside each, and without."""
     least = 2.0 * float(np.log(ODDS)) + _choice(search)
     return {one.beside.ids[-1]: (one.scatter, one.without) for one in _hidden(search, best) if one.worth > least}
@@ -122,7 +122,6 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     # Where none were, than one cloth does.
     most = TOLD * search.noise.gain_doubt or ONE_CLOTH
     scatters = [scatter for scatter in _SCATTERS if scatter <= most] or [most]
-
     problem, beside = search.problem, best or state
     # Of each kind of reading: what lacks in the contraction makes no stress less sure. It makes readings less sure, not
     # how stiff specimens are: each tells that by itself.
@@ -134,9 +133,9 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     def metrics(one: Candidate) -> list[Noise]:
         return [louder.among(one.fit.predicted, scatter) for scatter in scatters]
 
-    entropy = np.array([metric.entropy for metric in metrics(state)])
-    misfit, taken = least_misfits(problem, metrics(state), state.fit)
-    surprise = misfit + entropy
+    own = metrics(state)
+    misfit, taken = least_misfits(problem, own, state.fit)
+    surprise = misfit + np.array([metric.entropy for metric in own])
     if best is not None:
         variance = np.array(scatters) ** 2
         taken = taken if best is state else least_misfits(problem, metrics(best), best.fit)[1]
@@ -145,7 +144,7 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     while (likeliest := int(np.argmin(surprise))) not in fitted:
         # A step to first order promises more than a fit holds where specimens are far apart.
         fitted.add(likeliest)
-        held = least_misfit(problem, metrics(state)[likeliest], state.fit)
+        held = least_misfit(problem, own[likeliest], state.fit)
         surprise[likeliest] += float(held.sum()) - misfit[likeliest]
     return float(surprise[likeliest]), scatters[likeliest]
 

@@ -34,7 +34,8 @@ class HeldOut:
         return [self.places[test] for test in tests]
 
     def in_stiffness(self, noise: Noise) -> HeldOut:
-        """Return what of it is as another stiffness of each specimen would be, of which the ``noise`` has some."""
+        """Return what of it is as another stiffness would be: of each specimen of the ``noise`` one value, nan where
+        not all of its rows are told."""
         off = noise.along_stiffness(self.residual)
         told = tuple(int(one) for one in np.flatnonzero(np.isfinite(off)))
         return HeldOut(off, told, np.abs(off), tuple(slice(k, k + 1) for k in range(len(off))))

@@ -45,7 +45,7 @@ MOST = 0.65
 # ---- how sure a name is, and who could stand in its place -----------------------------------------------------
 
 #: To one: another name is told beside the likeliest where that is no more likely, and takes its place where it is the
-#: likelier by more; documents upstream are blamed that together are.
+#: likelier by more; documents upstream are blamed, and what specimens that scatter may hide is told, where they are so.
 ODDS = 3.0
 
 

@@ -93,8 +93,8 @@ class DataContext:
     def has_one_curve(self, *, turns: bool, softens: bool) -> bool:
         """Whether all tests are alike but for the specimen, the rate and the amplitude.
 
-        Those of several directions and temperatures are where nothing ``turns`` with the one or ``softens`` with the
-        other.
+        So are those of several directions where nothing ``turns`` with these, and of several temperatures where
+        nothing ``softens`` with them.
         """
         several = (turns and len(self.angles) > 1) or (softens and len(self.temperatures) > 1)
         return self.has_one_mode and not several
