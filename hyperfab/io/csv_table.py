@@ -99,7 +99,7 @@ def read_table(
         probes = {one.casefold() for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and one.name in probes]
         if len(wanted) == len(taken) or bare:
-            raise _none_of(sheet, rest, called, {**columns, **(optional or {})}, len(wanted) > len(taken))
+            raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken))
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
     named = {**columns, **(optional or {})}
     values = {
@@ -150,13 +150,13 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     return found
 
 
-def _none_of(sheet: CsvSheet, rest: str, called: Sequence[str], asked: Mapping[str, str], some: bool) -> InputError:
-    """Return the error that no column is of a kind, or not all that are called as expected, where ``some`` are: with
-    their unit filled in."""
-    unit, known = KINDS[rest].unit, {one.casefold() for one in called}
-    bare = [one for one in sheet.headings if one.unit is None]
-    own = [(one.title, f"{rest} [{unit}]") for one in bare if one.name in known]
-    others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in bare if one.name in asked]
+def _none_of(sheet: CsvSheet, rest: str, bare: Sequence[Heading], asked: Mapping[str, str], some: bool) -> InputError:
+    """Return the error that no column is of a kind, or, where ``some`` are, that those called as expected are ``bare``
+    of a unit: with their unit filled in."""
+    unit = KINDS[rest].unit
+    own = [(one.title, f"{rest} [{unit}]") for one in bare]
+    unsaid = [one for one in sheet.headings if one.unit is None and one.name in asked]
+    others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in unsaid]
     return sheet.wrong(
         f"has no column of a {rest}" if not some else f"{own[0][0]} has no unit of a {rest}, which others have",
         remedy=f"say {sheet.option([*others, *own])}" if own else f'name one a probe, as in "T1 [{unit}]"',

@@ -178,6 +178,13 @@ def test_a_probe_without_a_unit_beside_others_that_have_one_is_asked_for() -> No
     assert read("T2=aside").aside == ("Room",)
 
 
+def test_an_empty_column_is_no_probe_that_lacks_its_unit() -> None:
+    data = b"time [s],T1 [degC],T2,T3\n0,20,,21\n60,20,,22\n"
+    with pytest.raises(InputError, match="T3 has no unit") as caught:
+        read_table(data, "t.csv", {"time": "time"}, rest="temperature", called=["T1", "T2", "T3"], layout=layout())
+    assert '--columns "T3=temperature [degC]"' in str(caught.value)
+
+
 def test_constants_beside_the_first_row_alone_do_not_make_the_others_short() -> None:
     data = b"time [s],T1 [degC],Material_rho,Length\n0,25,7850,0.01\n60,31.5\n120,33\n"
     table = read_table(data, "t.csv", {"time": "time"}, rest="temperature")
