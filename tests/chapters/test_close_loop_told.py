@@ -14,7 +14,8 @@ import pytest
 from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
-from hyperfab.chapters.close_loop.readings import read_thermocouples
+from hyperfab.chapters.close_loop.finalise import errors_apart
+from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
 from hyperfab.chapters.close_loop.words import _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -365,3 +366,16 @@ def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(beside:
     belief = Belief({frozenset({"tilt"}): 0.6, frozenset(beside): 0.4}, 0.0, 0.0)
     found: Any = SimpleNamespace(after=SimpleNamespace(ids=("tilt",)), belief=belief)
     assert ("though with more of them wedge (0.4) might" in _no_other(found)) is told
+
+
+def test_the_noise_of_readings_set_apart_is_that_of_all_others_of_their_kind() -> None:
+    """Where it goes with the reading that of the first row is the least; what is known of constants is no reading."""
+    problem = SimpleNamespace(channel=np.array([0, 0, 0, 1, 0, 0]), predict=lambda own, terms: np.arange(6.0))
+    fit = SimpleNamespace(x=np.zeros(1), own=1, terms={})
+    noise = SimpleNamespace(sd=np.array([0.1, 0.5, 0.7, 1.0]), gain_sd=0.0)
+    state = SimpleNamespace(fit=fit)
+    found = SimpleNamespace(before=state, after=state, noise=noise)
+    apart = Apart(problem, slice(4, None), np.array([4.5, 4.5]))  # type: ignore[arg-type]
+    errors = errors_apart(apart, found, "N")  # type: ignore[arg-type]
+    assert errors.noise.rms == pytest.approx(np.sqrt((0.01 + 0.25 + 0.49) / 3.0))
+    assert errors.after.rms == pytest.approx(0.5)

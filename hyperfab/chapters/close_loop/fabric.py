@@ -92,8 +92,7 @@ def run(job: Job, given: Given) -> int:
     result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
-        sd = float(np.sqrt(np.mean(found.noise.sd[: apart.rows.start] ** 2)))
-        result.held_out = errors_apart(apart, found, tests.unit, sd, len(held_out.tests))
+        result.held_out = errors_apart(apart, found, tests.unit, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
         model.provenance = record(job.command, job.arguments, job.inputs.files, out.target)

@@ -96,7 +96,7 @@ def finish(
         problem, found = close_rounds(problem, files.noise, rounds, tick, misses=misses)
         result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
         if apart:
-            result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0], float(found.noise.sd[0]))
+            result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0])
         say(job.console, problem, found, result)
         if out.wants_files:
             tick("the extended model")
@@ -129,9 +129,12 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float =
     return tick
 
 
-def errors_apart(apart: Apart, found: Finding, unit: str, sd: float, tests: int | None = None) -> Errors:
-    """Return the error on readings that were set apart, before and after, beside their noise ``sd``."""
+def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = None) -> Errors:
+    """Return the error on readings that were set apart, before and after, beside the noise of the others of their kind,
+    the first."""
     before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
+    start = apart.rows.start
+    sd = float(np.sqrt(np.mean(found.noise.sd[:start][apart.problem.channel[:start] == 0] ** 2)))
     # The specimens set apart scatter as the others do.
     spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
     return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
