@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import shlex
 from collections import Counter
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import jsonschema
 import meshio
@@ -19,10 +21,12 @@ from loop.generators import press as caps
 from hyperfab.chapters.close_loop.contact import read_force_depth
 from hyperfab.chapters.close_loop.drape import read_markers
 from hyperfab.chapters.close_loop.press import read_press
+from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError
+from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.press_reading import Reading
 
 IDS = {
@@ -245,6 +249,22 @@ def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: py
     creeping = np.minimum(way, 3.0) + 0.005 * np.maximum(way - 3.0, 0.0)  # the machine holds the force
     csv(tmp_path / "hold.csv", "stroke [mm],force [N],time [s]", creeping, force, 5.0 * way)
     assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
+
+
+def test_each_marker_has_the_deviation_that_is_stated_of_it(tmp_path: Path) -> None:
+    """Left out in patches, markers keep theirs."""
+    flat = np.random.default_rng(4).uniform(-50.0, 50.0, (30, 2))
+    sd, job = 0.1 + 0.01 * np.arange(30.0), Job("close-loop", [], Console(True))
+    head = "x0 [mm],y0 [mm],x [mm],y [mm],z [mm],position sd [mm]"
+    csv(tmp_path / "markers.csv", head, *flat.T, *flat.T, np.arange(30.0), sd)
+    markers, column = read_markers(job, str(tmp_path / "markers.csv"), None)
+    parts = markers.parts()
+    measured = np.concatenate([part.values for part in parts])
+    problem = SimpleNamespace(files=tuple(parts), measured=measured)
+    problem.rows_of = partial(FilesProblem.rows_of, problem)  # type: ignore[arg-type]
+    found = Files([(markers, column)]).noise(problem, np.zeros(90)).sd  # type: ignore[arg-type]
+    height = np.concatenate([np.repeat([False, False, True], len(part.flat)) for part in parts])
+    assert np.allclose(found[height], 0.1 + 0.01 * measured[height])
 
 
 def test_noise_of_another_kind_is_a_usage_error(press: Path, hf: Run) -> None:

@@ -130,7 +130,7 @@ def as_membrane(
 def read_markers(
     job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
 ) -> tuple[Markers, Array | None]:
-    """Read markers: their places on the flat sheet and on the draped one, and the rms of the sd where stated.
+    """Read markers: their places on the flat sheet and on the draped one, and the sd of x, y and z where stated.
 
     Rows without a marker of their own are counted in ``left_out``.
     """
@@ -143,7 +143,7 @@ def read_markers(
         sd = spread(table, "x")
     flat = np.stack([table["x0"], table["y0"]], axis=1)
     markers = Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1))
-    return markers, None if sd is None else np.sqrt(np.mean(sd**2))
+    return markers, None if sd is None else np.tile(sd, 3)
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
