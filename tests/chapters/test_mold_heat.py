@@ -124,6 +124,13 @@ def test_warmup_is_hit_exactly_and_the_run_goes_on_to_its_end(tmp_path):
     assert 0.5 < document["efficiency"] < 1.0
 
 
+@pytest.mark.parametrize(("target", "told"), [(80.0, True), (300.0, False)])
+def test_heaters_that_go_on_far_above_the_target_are_told(tmp_path, target, told):
+    _, document, said = heat(tmp_path, PLATE.replace("[run]", f'[run]\ntarget = "{target} degC"'))
+    assert (document["work_surface"]["mean_degC"] > target + 50.0) == told
+    assert [one for one in said if "above the target: heaters without control" in one] == (said if told else [])
+
+
 @pytest.mark.parametrize(
     ("heaters", "start", "rest"),
     [

@@ -37,6 +37,8 @@ from hyperfab.thermal.transient import run as follow
 
 #: Share of the progress line when the temperatures are found.
 FOLLOWED = 0.95
+#: So much hotter [K] than the target no work surface is meant to end.
+_FAR_ABOVE = 50.0
 
 
 def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
@@ -95,7 +97,7 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     note_ranges(job, mold, builder.tables, reached, history.states.times)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
-    _say(job, result)
+    _say(job, result, document.run.target)
     sure = Sure()
     if result.converged:
         value = dict(figures_of(result.to_json(), result.KIND))
@@ -213,9 +215,15 @@ def _steady(name: str, problem: Problem, start: Array) -> History:
     return history
 
 
-def _say(job: Job, result: HeatDocument) -> None:
-    """Tell a person what came out."""
+def _say(job: Job, result: HeatDocument, target: float | None) -> None:
+    """Tell a person what came out; the ``target`` [degC] is the document's."""
     console = job.console
+    work = result.work_surface
+    if work is not None and target is not None and work.mean_degC > target + _FAR_ABOVE:
+        console.warn(
+            f"the work surface ends at {work.mean_degC:.0f} degC, {work.mean_degC - target:.0f} K above the target: "
+            "heaters without control or schedule stay on to the end; give one, or a shorter until"
+        )
     if not result.converged:
         console.warn(
             f"the account of heat is off by {result.energy.imbalance_relative:.2g}, above {IMBALANCE_ALLOWED:g}"
