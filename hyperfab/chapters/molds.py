@@ -19,7 +19,7 @@ TURNED = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
 
 
 #: A sheet is as wide as its mold or punch within this factor: an inch read as a millimetre is 25 times off, a cm 10.
-IN_PROPORTION = 8.0
+_IN_PROPORTION = 8.0
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,11 @@ def ask_unit(job: Job, name: str, surface: Surface, unit: str, beside: str, leas
             f"{name}: measures {shown} mm when read in {unit}, {beside}; if that is not so, say --stl-unit (mm, cm, m, "
             "inch)"
         )
+
+
+def ask_unit_by_sheet(job: Job, name: str, surface: Surface, unit: str, wide: float) -> None:
+    """Ask the same of a mold or punch in a sheet that is so ``wide`` [mm]."""
+    ask_unit(job, name, surface, unit, f"the sheet {wide:.4g} mm", wide / _IN_PROPORTION, wide * _IN_PROPORTION)
 
 
 def read_mesh(inputs: Inputs, name: str, stl_unit: str, doubt: Callable[[str], None]) -> SurfaceMesh:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.fitting import least_misfit, least_misfits
+from hyperfab.loop.fitting import fitted_misfit, stepped_misfits
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
@@ -125,7 +125,7 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     problem, beside = search.problem, best or state
     # Of each kind of reading: what lacks in the contraction makes no stress less sure. It makes readings less sure, not
     # how stiff specimens are: each tells that by itself.
-    least = least_misfit(problem, search.noise.among(beside.fit.predicted, scatters[-1]), beside.fit)
+    least = fitted_misfit(problem, search.noise.among(beside.fit.predicted, scatters[-1]), beside.fit)
     _, which, count = np.unique(problem.channel, return_inverse=True, return_counts=True)
     level = np.maximum(least / count, 1.0)
     louder = replace(search.noise, sd=search.noise.sd * np.sqrt(level[which]))
@@ -134,17 +134,17 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
         return [louder.among(one.fit.predicted, scatter) for scatter in scatters]
 
     own = metrics(state)
-    misfit, taken = least_misfits(problem, own, state.fit)
+    misfit, taken = stepped_misfits(problem, own, state.fit)
     surprise = misfit + np.array([metric.entropy for metric in own])
     if best is not None:
         variance = np.array(scatters) ** 2
-        taken = taken if best is state else least_misfits(problem, metrics(best), best.fit)[1]
+        taken = taken if best is state else stepped_misfits(problem, metrics(best), best.fit)[1]
         surprise += CLOTH_COUNTS * (np.log(variance) + (0.5 * ONE_CLOTH) ** 2 / variance) - taken
     fitted: set[int] = set()
     while (likeliest := int(np.argmin(surprise))) not in fitted:
         # A step to first order promises more than a fit holds where specimens are far apart.
         fitted.add(likeliest)
-        held = least_misfit(problem, own[likeliest], state.fit)
+        held = fitted_misfit(problem, own[likeliest], state.fit)
         surprise[likeliest] += float(held.sum()) - misfit[likeliest]
     return float(surprise[likeliest]), scatters[likeliest]
 
@@ -175,7 +175,7 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
     if assumed <= noise.gain_sd:
         # So much was noise to the judgement above, which looks at the stiffness of each specimen too.
         return "unexplained", 0.0
-    left = float(np.sum(least_misfit(search.problem, noise.among(before.fit.predicted, assumed), before.fit)))
+    left = float(np.sum(fitted_misfit(search.problem, noise.among(before.fit.predicted, assumed), before.fit)))
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
     return ("noise", assumed) if small else ("unexplained", 0.0)

@@ -340,7 +340,7 @@ def _step(
     return step
 
 
-def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:
+def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:
     """Return the least chi-squared near a fit in each of several metrics, and what telling its constants takes from the
     logarithm of the determinant of each metric's covariance, (metrics,).
 
@@ -363,7 +363,7 @@ def least_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tup
     return misfits, taken
 
 
-def least_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
+def fitted_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
     """Return the least chi-squared of a model in a metric, by kind of reading (kinds,), by a fit that begins at one."""
     near = Descent(problem, metric, found.forms, found.x, coarse=True, metric=metric).advance(_REFIT)
     return np.array([float(np.sum(near.left[problem.channel == kind] ** 2)) for kind in np.unique(problem.channel)])

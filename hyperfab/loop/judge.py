@@ -175,25 +175,39 @@ def correlation_time(residual: Array, curves: Sequence[Curve]) -> float:
 
 def common_bic(fits: Sequence[Fit], problem: Problem, noise: Noise) -> Mapping[tuple[str, ...], float]:
     """Return BIC of several models, by their effects, on one scale: that of the best fit among them."""
-    time = correlation_time(min(fits, key=lambda one: one.chi2).residual, problem.curves)
+    level = Level.of(fits, noise)
+    time = correlation_time(level.best.residual, problem.curves)
     count = max(len(problem.measured) / time, 3.0)
-    return {tuple(one.forms): misfit(one, fits, problem, noise, time) + price(one, count) for one in fits}
+    return {tuple(one.forms): misfit(one, level, problem, noise, time) + price(one, count) for one in fits}
 
 
-def misfit(fitted: Fit, fits: Sequence[Fit], problem: Problem, noise: Noise, time: float) -> float:
+@dataclass(frozen=True)
+class Level:
+    """What counts as noise where fits are compared: what the ``best`` of them leaves, in ``stiffness`` (chi-squared)
+    the least that one of them does, which need not be the one that meets most readings."""
+
+    best: Fit
+    stiffness: float
+
+    @classmethod
+    def of(cls, fits: Sequence[Fit], noise: Noise) -> Level:
+        """Return the level of several fits in a noise."""
+        least = min(_of_stiffness(one, noise) for one in fits) if noise.gain_sd else 0.0
+        return cls(min(fits, key=lambda one: one.chi2), least)
+
+
+def misfit(fitted: Fit, level: Level, problem: Problem, noise: Noise, time: float) -> float:
     """Return minus twice the logarithm of likelihood, as chi-squared, where ``time`` readings count as one.
 
-    But for how far specimens are off in stiffness: each tells that by itself. What the best of ``fits`` leaves counts
-    as noise, in stiffness the least that one of them does: that need not be the one that meets most readings.
+    But for how far specimens are off in stiffness: each tells that by itself.
     """
-    best = min(fits, key=lambda one: one.chi2)
+    best = level.best
     alike = scaled_chi2(fitted, best, problem.channel) + prior_misfit(fitted, best, problem)
     if not noise.gain_sd:
         return alike / time
-    off, least = _of_stiffness(fitted, noise), min(_of_stiffness(one, noise) for one in fits)
-    stress = problem.channel == 0
+    off, stress = _of_stiffness(fitted, noise), problem.channel == 0
     alike -= off / max(float(np.mean(best.residual[stress] ** 2)), 1.0)
-    return alike / time + off / max(least / len(noise.groups), 1.0)
+    return alike / time + off / max(level.stiffness / len(noise.groups), 1.0)
 
 
 def _of_stiffness(fitted: Fit, noise: Noise) -> float:

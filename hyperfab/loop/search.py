@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import Help, help_of
-from hyperfab.loop.judge import correlation_time, misfit, price, structured_of_each
+from hyperfab.loop.judge import Level, correlation_time, misfit, price, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
@@ -203,7 +203,8 @@ class Search:
                 break
             found = min(richer, key=lambda one: one.chi2)
             time = correlation_time(found.residual, self.problem.curves)
-            gain = self._misfit(best, [found], time) - self._misfit(found, [found], time)
+            level = Level.of([found], self.noise)
+            gain = self._misfit(best, level, time) - self._misfit(found, level, time)
             if gain < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
                 break
             best = found
@@ -228,17 +229,17 @@ class Search:
 
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
-        best = min(fits, key=lambda one: one.chi2)
-        time = correlation_time(best.residual, self.problem.curves)
-        count = max(len(best.residual) / time, 3.0)
+        level = Level.of(fits, self.noise)
+        time = correlation_time(level.best.residual, self.problem.curves)
+        count = max(len(level.best.residual) / time, 3.0)
 
         def bic(one: Fit) -> float:
-            return self._misfit(one, fits, time) + price(one, count) + len(one.x) * MARGIN / 4.0
+            return self._misfit(one, level, time) + price(one, count) + len(one.x) * MARGIN / 4.0
 
         return min(fits, key=bic)
 
-    def _misfit(self, fitted: Fit, fits: Sequence[Fit], time: float) -> float:
-        return misfit(fitted, fits, self.problem, self.noise, time)
+    def _misfit(self, fitted: Fit, level: Level, time: float) -> float:
+        return misfit(fitted, level, self.problem, self.noise, time)
 
     def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
         forms = {**parent.forms, effect.id: form}
@@ -272,7 +273,8 @@ class Search:
             smaller = self._own_optimum
         old, new = smaller.fit, larger.fit
         time = correlation_time(new.residual, self.problem.curves)
-        gain = self._misfit(old, [new], time) - self._misfit(new, [new], time)
+        level = Level.of([new], self.noise)
+        gain = self._misfit(old, level, time) - self._misfit(new, level, time)
         gone = old.chi2 - new.chi2
         total = max(old.chi2 - len(old.residual), gone, 1e-9)
         count = max(len(new.residual) / time, 3.0)

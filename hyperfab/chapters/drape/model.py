@@ -13,7 +13,7 @@ from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SI
 from hyperfab.chapters.drape.curves import Curve, read_curve
 from hyperfab.chapters.drape.fabric import Fabric, read_fabric
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.molds import IN_PROPORTION, TURNED, PlacedMold, ask_unit, read_molds
+from hyperfab.chapters.molds import TURNED, PlacedMold, ask_unit_by_sheet, read_molds
 from hyperfab.cloth import (
     Answers,
     Equilibrium,
@@ -120,9 +120,7 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
             remedy="state its unit: --stl-unit m, cm, mm or inch; if it is that small or large, "
             "give a sheet that fits it: --size",
         )
-    wide = max(case.size)
-    around = f"the sheet {wide:.4g} mm"
-    ask_unit(job, placed.name, placed.surface, case.stl_unit, around, wide / IN_PROPORTION, wide * IN_PROPORTION)
+    ask_unit_by_sheet(job, placed.name, placed.surface, case.stl_unit, max(case.size))
     if case.wanted[-1] > sides[2] * (1.0 + 1e-9):
         above = case.wanted[-1] - sides[2]
         job.console.note(

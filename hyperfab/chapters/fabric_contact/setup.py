@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.cases.contact import SHAPES, STICK, ContactCase
 from hyperfab.chapters.fabric_contact.outline import is_file, read_outline
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.molds import IN_PROPORTION, ask_unit, read_molds
+from hyperfab.chapters.molds import ask_unit_by_sheet, read_molds
 from hyperfab.chapters.sheet import Fabric
 from hyperfab.errors import InputError, UsageError
 from hyperfab.membrane.contact import Frictionless, Tangential
@@ -104,8 +104,7 @@ def read_geometry(job: Job, case: ContactCase) -> Geometry:
     _within(case.depth, 1e-3 * width, 2.0 * width, f"--depth {case.depth:g}mm")
     facets = None if case.punch is None else read_punch(job, case.punch, case.stl_unit, case.depth)
     if case.punch is not None and facets is not None:
-        around = f"the sheet {width:.4g} mm"
-        ask_unit(job, case.punch, facets.surface, case.stl_unit, around, width / IN_PROPORTION, width * IN_PROPORTION)
+        ask_unit_by_sheet(job, case.punch, facets.surface, case.stl_unit, width)
     return Geometry(outline, width, narrow, facets)
 
 

@@ -159,7 +159,7 @@ class MoldBuilder:
     def _alone(self, one: Apart) -> str:
         """Say that bodies touch no other, and how far the nearest is."""
         own = [repr(self.document.part[number].name) for number in one.parts]
-        whose = ("" if one.whole else "a body of ") + f"part{'s'[: len(own) - 1]} {' and '.join(own)}"
+        whose = ("" if one.whole else "a body of ") + f"part{'s' if len(own) > 1 else ''} {' and '.join(own)}"
         touches = "touches" if len(own) == 1 else "touch each other and"
         nearest = repr(self.document.part[one.nearest].name)
         return (
