@@ -22,7 +22,7 @@ COLUMNS: dict[str, str] = {
         deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
         alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
-        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1; ave 2;
+        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1; ave 2; ave1; ave2;
         деформация; относительная деформация; относительное удлинение""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
@@ -36,7 +36,7 @@ COLUMNS: dict[str, str] = {
         spostamento traversa; spostamento della
         traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
         da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; 拉伸位移; 横梁位移; ave; ave 1;
-        ave 2; перемещение; удлинение; ход""",
+        ave 2; ave1; ave2; перемещение; удлинение; ход""",
     "position": """position; crosshead position; crosshead absolute; traverse absolue;
         traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
@@ -44,7 +44,7 @@ COLUMNS: dict[str, str] = {
     "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
         measuring gap; specimen length; grip distance; entrefer; l""",
     "force": """force; load; f; tensile force; tensile load; standard force; test force; axial force; axial load; load
-        cell; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
+        cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
         last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
         standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
         tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; 拉力; 拉伸载荷; 引張荷重;

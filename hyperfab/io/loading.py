@@ -16,7 +16,7 @@ from hyperfab.io.headings import meaning
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_stretch, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
-from hyperfab.io.signs import counts_down, farthest, of_mechanics, refuse_either_way
+from hyperfab.io.signs import counts_down, farthest, of_mechanics, perhaps_pulled, refuse_either_way
 from hyperfab.io.specimen import Specimen
 from hyperfab.io.stated import conflicting, perhaps_gauge_length
 from hyperfab.io.titles import unread_unit
@@ -65,10 +65,11 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
     Raises InputError where columns or sizes are missing.
     """
     sheet, notes = specimen.sheet, list[str]()
-    down = counts_down(sheet, roles, specimen.decimal) if pressed == "pulled" else None
-    if down is not None:
+    down = counts_down(sheet, roles, specimen.decimal) if pressed in ("pulled", "no") else None
+    turned = down is not None and pressed == "pulled"
+    if down is not None and turned:
         notes.append(f"a pull: {' and '.join(one.heading.title for one in down)} count down and are turned round")
-    reader = _Reader(specimen, roles, test, pressed == "yes", down is not None, notes)
+    reader = _Reader(specimen, roles, test, pressed == "yes", turned, notes)
     stretch = reader.stretch("")
     if stretch is None and test == "simple-shear":
         raise missing(sheet, roles, "a shear strain", '"shear strain" or "displacement [mm]"')
@@ -102,6 +103,8 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
         )
     if pressed == "perhaps" and test == "uniaxial":
         refuse_either_way(sheet, reader.used, stretch, stress)
+    if down is not None and not turned and test == "uniaxial" and down[0].name in _LENGTHS:
+        notes.append(perhaps_pulled(sheet, down, stretch))
     stretch, stress = of_mechanics(test, pressed, roles.first(("force",)), stretch, stress, notes)
     mode = "biaxial-general" if test == "biaxial" and stretch2 is not None and stress2 is not None else test
     curve = TestCurve(mode, stretch, stress, stretch2=stretch2, stress2=stress2, stress_sd=sd, membrane=membrane)

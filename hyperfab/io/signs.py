@@ -31,6 +31,23 @@ def counts_down(sheet: CsvSheet, roles: Roles, decimal: str) -> tuple[Column, Co
     return (pull, push) if farthest(ways) < 0.0 and farthest(forces) < 0.0 else None
 
 
+def perhaps_pulled(sheet: CsvSheet, down: tuple[Column, Column], stretch: Array) -> str:
+    """Return what is told where a machine's two readings count down and nothing says whether it pressed or pulled."""
+    titles = " and ".join(one.heading.title for one in down)
+    return (
+        f"{titles} count down: taken as a compression, to a stretch of {stretch.min():.3g}; if it was pulled, say "
+        + _signs(sheet, down, "--")
+    )
+
+
+def _signs(sheet: CsvSheet, used: Sequence[Column], signs: Sequence[str]) -> str:
+    """Return the option that gives columns their ``signs``, each a minus or nothing."""
+    units = [f" [{one.heading.unit}]" if one.heading.unit else "" for one in used]
+    return sheet.option(
+        [(one.heading.title, f"{minus}{one.name}{unit}") for minus, one, unit in zip(signs, used, units, strict=True)]
+    )
+
+
 def of_mechanics(
     test: str,
     pressed: Pressed,
@@ -73,15 +90,7 @@ def refuse_either_way(sheet: CsvSheet, used: Sequence[Column], stretch: Array, s
     behind = "-" if farthest(stress) < 0.0 else ""
 
     def option(*signs: str) -> str:
-        return sheet.option(
-            [
-                (
-                    one.heading.title,
-                    f"{minus}{one.name}" + (f" [{one.heading.unit}]" if one.heading.unit else ""),
-                )
-                for minus, one in zip(signs, (pull, push), strict=True)
-            ]
-        )
+        return _signs(sheet, (pull, push), signs)
 
     raise sheet.wrong(
         f"a word says compression, and {pull.heading.title} grows: was the specimen pressed, or is that what it is of?",

@@ -77,7 +77,8 @@ def heading(title: str, index: int) -> Heading:
         kinds = [KIND.get(made.name) for one in looked_up(plain(first)) if (made := in_unit(one, unit))]
         if last != "1" and any(is_of(unit, kind) for kind in kinds if kind):
             return Heading(title, first, unit, index)
-    for pattern in (r"(.+?)\s*/\s*(.+)", r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)"):
+    # A slash last: behind a comma, or "in", a unit may hold one, as in Spannung, N/mm2.
+    for pattern in (r"(.+),\s*(\S.*)", r"(.+?)\s+in\s+(\S+)", r"(.+?)\s*/\s*(.+)"):
         match = re.fullmatch(pattern, label)
         if match and (unit := beside(match[2])) is not None and not is_known(label):
             return Heading(title, match[1].strip(), unit, index)

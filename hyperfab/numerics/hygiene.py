@@ -294,9 +294,12 @@ def _doubled(stretch: Array, stress: Array, time: Array | None) -> Iterator[Doub
 def _failing(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
     """A stress that falls for good while the stretch goes on to its end: the specimen tears, layer by layer.
 
-    Where the stretch only creeps behind the peak, far slower than up to it, the stress relaxes.
+    Where the stretch only creeps behind the peak, far slower than up to it, the stress relaxes; where it passes 1, a
+    test that was pressed is pulled.
     """
     top, last = int(np.abs(stress).argmax()), int(_away(way).argmax())
+    if (way[top] - 1.0) * (way[last] - 1.0) < 0.0:
+        return
     peak, rest = stress[top], stress[top : last + 1]
     if len(rest) < 5 or abs(way[last] - way[top]) < 10.0 * SMALL_STEP * np.ptp(way):
         return

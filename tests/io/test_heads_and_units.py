@@ -56,6 +56,35 @@ def test_a_factor_and_the_units_of_scales_are_applied(head: str, newtons: float)
     assert pulled(head).stress.tolist() == pytest.approx([2 * N * newtons, 4 * N * newtons])
 
 
+@pytest.mark.parametrize(
+    ("head", "scale"),
+    [("Stress, N/mm2", 1.0), ("Stress, N/cm2", 1e-2), ("Stress, kgf/cm2", 0.0980665), ("Stress in N/mm²", 1.0),
+     ("Force, N/mm", 1.25), ("Load, N/5cm", 0.025), ("Tension in N/m", 1.25e-3), ("Load / width, N/mm", 1.25)],
+)  # fmt: skip
+def test_a_unit_behind_a_comma_may_hold_a_slash(head: str, scale: float) -> None:
+    """A force over the width is one of 0.8 mm."""
+    text = f'# test: tensile\n# thickness: 0.8 mm\nStrain (%);"{head}"\n10;1\n20;2\n'
+    [found] = read_tests(text.encode(), "a.csv")
+    assert found.stress.tolist() == pytest.approx([scale, 2.0 * scale])
+
+
+@pytest.mark.parametrize("head", ["Strain, mm/mm", "Strain, m/m", "Strain in mm/mm", "Dehnung, mm/mm"])
+def test_a_strain_in_millimetres_over_millimetres_is_no_extension(head: str) -> None:
+    [found] = read_tests(f'{STRIP}"{head}","Stress, MPa"\n0.5,0.1\n2.5,0.2\n'.encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.5, 3.5])
+
+
+def test_a_force_along_the_axis_of_the_stage_is_the_force() -> None:
+    [found] = read_tests(f'{STRIP}"Position (z), mm","Fz, N"\n3,0\n13,2\n23,4\n'.encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.0, 1.1, 1.2])
+    assert found.stress.tolist() == pytest.approx([0.0, 2 * N, 4 * N])
+
+
+def test_a_speed_behind_a_comma_is_taken() -> None:
+    [found] = read_tests(f'{STRIP}"Velocity, mm/s:",0.5\nExtension (mm),Load (N)\n10,2\n20,4\n'.encode(), "a.csv")
+    assert found.rate_1_s == pytest.approx(0.005)
+
+
 def test_a_weight_over_square_centimetres_is_a_stress() -> None:
     [found] = read_tests(b"# test: tensile\nStrain (%),Stress (Kg/sq.cm)\n10,1\n20,2\n", "a.csv")
     assert found.stress.tolist() == pytest.approx([0.0980665, 0.196133])
@@ -244,8 +273,10 @@ def test_a_compression_is_one_in_other_scripts_too(heads: str) -> None:
     assert found.stress.tolist() == pytest.approx([-0.2, -0.5, -0.9])
 
 
-def test_a_strain_of_a_video_extensometer_goes_before_the_way_of_the_grips() -> None:
-    text = "# test: uniaxial\nDisplacement (mm),Stress (MPa),AVE 2 (%)\n1,0.2,10\n2,0.5,20\n3,0.9,30\n"
+@pytest.mark.parametrize("head", ["AVE 2 (%)", "AVE2 (%)", "AVE1 (%)", "AVE (%)"])
+def test_a_strain_of_a_video_extensometer_goes_before_the_way_of_the_grips(head: str) -> None:
+    """The number is that of its model, no axis."""
+    text = f"# test: uniaxial\nDisplacement (mm),Stress (MPa),{head}\n1,0.2,10\n2,0.5,20\n3,0.9,30\n"
     [found] = read_tests(text.encode(), "a.csv")
     assert found.stretch.tolist() == pytest.approx([1.1, 1.2, 1.3])
 

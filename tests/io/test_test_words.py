@@ -160,6 +160,12 @@ def test_a_pull_that_counts_down_in_both_is_turned_round(title: str, table: str)
     pressed = re.sub(r"\n[^\n]*\n$", "\n", table)  # to a stretch of nothing nobody presses
     [found] = read_tests(f"{STRIP}{pressed}".encode(), "k17.csv", test="uniaxial")
     assert found.stretch.min() == pytest.approx(0.8)
+    told = [note for note in found.notes if "taken as a compression, to a stretch of 0.8" in note]
+    assert len(told) == ("Load" in table)  # a strain below zero is a compression by its name
+    for option in re.findall(r'--columns "([^"]*)"', "".join(told)):
+        [found] = read_tests(f"{STRIP}{pressed}".encode(), "k17.csv", test="uniaxial", columns=layout([option]))
+        assert (found.stretch[-1], found.stress[-1]) == pytest.approx((1.2, 0.1))
+        assert not any("taken as a compression" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(

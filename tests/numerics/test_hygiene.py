@@ -254,6 +254,16 @@ def test_a_specimen_that_tears_layer_by_layer_is_told_from_its_peak_on(sign: flo
     assert "failing" not in kinds(look(1.0 + again * np.repeat([1.0, 1.0, 1.001], 101), softer))
 
 
+def test_a_test_that_is_pressed_and_then_pulled_tears_nowhere() -> None:
+    """A rubber from half its length to twice: the largest stress is the first, and all that follows is larger."""
+    stretch = np.linspace(0.49, 2.17, 40)
+    assert look(stretch, 0.3 * (stretch - stretch**-2)) == []
+    assert look(stretch[::-1], 0.3 * (stretch - stretch**-2)[::-1]) == []
+    torn = 0.3 * (stretch - stretch**-2) * np.where(stretch > 1.8, 1.0 - 2.5 * (stretch - 1.8), 1.0)
+    assert "failing" not in kinds(look(stretch, torn))  # what is pressed carries more
+    assert "failing" in kinds(look(stretch[12:], torn[12:]))
+
+
 def ramp_and_hold(rows: int, dt: float) -> tuple[Array, Array, Array]:
     """Time (n,), stretch (n,) of a fast ramp to 3 whose crosshead swings past its stop, and a stress that relaxes."""
     time = dt * np.arange(rows)
