@@ -21,6 +21,7 @@ from hyperfab.io.impossible import refuse_impossible
 from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.loading import Loading, read_loading
+from hyperfab.io.phases import in_one
 from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
@@ -84,6 +85,7 @@ def read_tests(
         if kind is None and len(parts) == 1 and may_be_specimens(sheet):
             raise no_test(sheet, TESTS)
         sheets += [one for part in parts for one in parted_by_sizes(part)]
+    sheets = in_one(sheets, told.decimal) if len(sheets) > 1 else sheets
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
         found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)

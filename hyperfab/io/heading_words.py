@@ -22,8 +22,8 @@ COLUMNS: dict[str, str] = {
         deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
         alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
-        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1; ave 2; ave1; ave2;
-        деформация; относительная деформация; относительное удлинение""",
+        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ;
+        ave; ave 1; ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
         stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload;
