@@ -47,6 +47,8 @@ _UNIT_WORDS = {
     "pounds": "lb", "ounces": "oz", "kips": "kip", "kg f": "kgf", "g f": "gf", "lb f": "lbf", "lbs f": "lbf",
     "lbs force": "lbf", "lb force": "lbf", "pound force": "lbf", "pounds force": "lbf", "kg force": "kgf",
     "tonf": "tf", "ton force": "tf", "nt": "N", "microstrain": "ppm", "micro strain": "ppm", "\u03bcepsilon": "ppm",
+    "н": "N", "кн": "kN", "кгс": "kgf", "гс": "gf", "па": "Pa", "кпа": "kPa", "мпа": "MPa", "гпа": "GPa",
+    "м": "m", "см": "cm", "мм": "mm", "мм2": "mm2", "см2": "cm2", "с": "s", "сек": "s", "мин": "min",
 }  # fmt: skip
 
 

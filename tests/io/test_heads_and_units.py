@@ -68,6 +68,18 @@ def test_a_unit_behind_a_comma_may_hold_a_slash(head: str, scale: float) -> None
     assert found.stress.tolist() == pytest.approx([scale, 2.0 * scale])
 
 
+@pytest.mark.parametrize(
+    ("heads", "newtons"),
+    [("Перемещение, мм;Нагрузка, Н", 1.0), ("Перемещение (мм);Нагрузка (кН)", 1e3), ("Удлинение [мм];Усилие [кгс]", 9.80665)],
+)  # fmt: skip
+def test_units_stand_in_the_letters_of_their_heads(heads: str, newtons: float) -> None:
+    [found] = read_tests(f"{STRIP.replace(',', ';')}{heads}\n10;2\n20;4\n".encode(), "a.csv")
+    assert found.stretch.tolist() == pytest.approx([1.1, 1.2])
+    assert found.stress.tolist() == pytest.approx([2 * N * newtons, 4 * N * newtons])
+    [found] = read_tests("# test: tensile\nДеформация, %;Напряжение, Н/мм2\n10;2\n20;4\n".encode(), "a.csv")
+    assert found.stress.tolist() == pytest.approx([2.0, 4.0])
+
+
 @pytest.mark.parametrize("head", ["Strain, mm/mm", "Strain, m/m", "Strain in mm/mm", "Dehnung, mm/mm"])
 def test_a_strain_in_millimetres_over_millimetres_is_no_extension(head: str) -> None:
     [found] = read_tests(f'{STRIP}"{head}","Stress, MPa"\n0.5,0.1\n2.5,0.2\n'.encode(), "a.csv")
