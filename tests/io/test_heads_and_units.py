@@ -70,7 +70,8 @@ def test_a_unit_behind_a_comma_may_hold_a_slash(head: str, scale: float) -> None
 
 @pytest.mark.parametrize(
     ("heads", "newtons"),
-    [("Перемещение, мм;Нагрузка, Н", 1.0), ("Перемещение (мм);Нагрузка (кН)", 1e3), ("Удлинение [мм];Усилие [кгс]", 9.80665)],
+    [("Перемещение, мм;Нагрузка, Н", 1.0), ("Перемещение (мм);Нагрузка (кН)", 1e3),
+     ("Удлинение [мм];Усилие [кгс]", 9.80665)],
 )  # fmt: skip
 def test_units_stand_in_the_letters_of_their_heads(heads: str, newtons: float) -> None:
     [found] = read_tests(f"{STRIP.replace(',', ';')}{heads}\n10;2\n20;4\n".encode(), "a.csv")
