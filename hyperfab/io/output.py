@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from glob import escape
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 #: What stands before the ending of a sibling whose own name is an input: ``k17.out.csv`` beside ``k17.csv``.
 BESIDE_INPUT = ".out"
+#: The first line of a table that hf writes: names whose unit stands in them.
+_OWN_HEAD = re.compile(rb"([A-Za-z][\w.+-]*(,[\w.+-]*)*)?\r?\n?")
 
 
 class Output:
@@ -32,7 +35,8 @@ class Output:
 
     The place is tried at construction, before anything is computed: a folder that is missing or cannot be written is
     an OutputError. An output that is also an input is a UsageError as soon as both are known, at the latest before
-    anything is written; only ``NAME.csv`` gives way to an input of its name and becomes ``NAME.out.csv``.
+    anything is written; only ``NAME.csv`` gives way to an input of its name, or to a table that hf did not write (the
+    log that a mold of this name was measured with), and becomes ``NAME.out.csv``.
     """
 
     def __init__(self, target: str, suffixes: Sequence[str] = ()) -> None:
@@ -111,17 +115,25 @@ class Output:
     def _name(self, suffix: str, inputs: Inputs) -> Path:
         """Return the path of a sibling; UsageError where it is an input, or ``NAME.out.csv`` for ``NAME.csv``."""
         path = self.path(suffix)
-        if suffix == ".csv" and is_input(path, inputs):
+        if suffix == ".csv" and (is_input(path, inputs) or self._is_foreign(path)):
             path = self.path(BESIDE_INPUT + suffix)
         self._refuse(path, inputs)
         return path
+
+    def _is_foreign(self, path: Path) -> bool:
+        """Whether a table stands at ``path`` that hf did not write: no document lists it, and its head is no table's."""
+        if not path.is_file():
+            return False
+        with path.open("rb") as file:
+            head = file.readline(65536)
+        return not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
 
     def _refuse(self, path: Path, inputs: Inputs) -> None:
         if is_input(path, inputs):
             raise UsageError(f"--output {self.target}: {path} is an input of this command; choose another name")
 
     def _written_earlier(self, kind: object) -> set[Path]:
-        """Return the siblings that the document of this kind lists which is about to be replaced.
+        """Return the siblings that the document of this kind (None: of any) lists which is about to be replaced.
 
         Those that are not written again would pass for this run's (a longer series of frames); nothing else goes.
         """
@@ -129,7 +141,9 @@ class Output:
             found = json.loads(Path(self.target).read_bytes())
         except (OSError, ValueError, RecursionError):
             return set()
-        if not isinstance(found, dict) or found.get("format") != kind or not isinstance(found.get("files"), list):
+        if not isinstance(found, dict) or not isinstance(found.get("files"), list):
+            return set()
+        if kind is not None and found.get("format") != kind:
             return set()
         target = Path(self.target)
         return {

@@ -240,6 +240,9 @@ class Descent:
             tries -= 1
             if self.exact:
                 self.damping = max(self.damping, 1e-6) * 10.0
+                if tries < _TRIES // 2:
+                    # What the data tell next to nothing of runs to its bounds however much a step is damped.
+                    size = np.maximum(size, np.abs(gradient) / self.scale)
         else:
             self.ended, self.serves = self.exact, False
             return

@@ -204,3 +204,24 @@ def test_a_name_without_an_ending_gets_its_own_and_the_null_device_takes_a_docum
     assert done.stdout == b""
     assert hf("report", "fabric.json", "-o", "page", cwd=tmp_path).returncode == 0
     assert (tmp_path / "page.html").is_file()
+
+
+def test_curves_give_way_to_a_table_that_was_measured_and_go_back_when_it_is_gone(
+    hf: Run, root: Path, tmp_path: Path
+) -> None:
+    shutil.copy(root / TEST, tmp_path / "test.csv")
+    log = b"time [s],T1 [degC]\n0,25.0\n60,31.5\n"
+    (tmp_path / "k17.csv").write_bytes(log)
+    fit = ("fit", "--uniaxial", "test.csv", "--model", "yeoh-1", "-o", "k17.json")
+    for _ in range(2):
+        assert hf(*fit, cwd=tmp_path).returncode in (0, 1)
+        assert (tmp_path / "k17.csv").read_bytes() == log
+        assert "k17.out.csv" in json.loads((tmp_path / "k17.json").read_text())["files"]
+    (tmp_path / "k17.csv").unlink()
+    for _ in range(2):
+        assert hf(*fit, cwd=tmp_path).returncode in (0, 1)
+        assert "k17.csv" in json.loads((tmp_path / "k17.json").read_text())["files"]
+        assert not (tmp_path / "k17.out.csv").exists()
+    (tmp_path / "k17.json").unlink()  # a table of hf's own is known by its head
+    assert hf(*fit, cwd=tmp_path).returncode in (0, 1)
+    assert not (tmp_path / "k17.out.csv").exists()

@@ -68,6 +68,26 @@ def test_a_fit_ends_at_a_wall_that_no_number_holds() -> None:
     assert found.x[1] <= 1.0
 
 
+class Exponentials(Problem):
+    """A factor of two exponential terms over 0 to 1, as of a law of Ogden's and a softer weft."""
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return its values."""
+        x = np.linspace(0.0, 1.0, len(self.measured))
+        return np.asarray(own[0] * (own[1] * np.expm1(own[2] * x) + own[3] * np.expm1(own[4] * x)))
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_power_that_counts_for_nothing_does_not_stop_the_others(factor: float) -> None:
+    names = (("factor", 1.0, 10.0), ("a", 0.01, np.inf), ("p", 20.0, 30.0), ("b", 0.4, np.inf), ("q", 5.0, 30.0))
+    own = tuple(Constant(name, scale, -bound, bound, scale=scale) for name, scale, bound in names)
+    x = np.linspace(0.0, 1.0, 80)
+    measured = -0.28 * np.expm1(-5.4 * x)
+    problem = Exponentials(measured, (Curve("0", 0, 80, np.arange(80.0)),), own, ())
+    found = fit(problem, Noise(np.full(80, 1e-3), np.inf, "known"), {}, [factor, -2e-7, -4.5, -0.28, -5.0])
+    assert found.chi2 < 80.0
+
+
 def test_one_test_that_misses_is_not_lost_among_those_that_do_not() -> None:
     left = np.random.default_rng(0).standard_normal(80)
     left[60:] = np.where(np.arange(20) % 2, 2.2, -2.2)
