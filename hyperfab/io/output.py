@@ -121,7 +121,7 @@ class Output:
         return path
 
     def _is_foreign(self, path: Path) -> bool:
-        """Whether a table stands at ``path`` that hf did not write: no document lists it, and its head is no table's."""
+        """Whether a table stands at ``path`` that hf did not write: no document lists it, nor does its head say so."""
         if not path.is_file():
             return False
         with path.open("rb") as file:
