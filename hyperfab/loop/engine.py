@@ -30,7 +30,7 @@ from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, TOLD
 
-#: Terms added at most, and models carried along at each number of terms.
+#: Terms added at most, and models carried along at each number of terms; one more where it is not told from the last.
 _DEPTH, _BEAM = 3, 2
 #: A model that leaves this many times more variance than the best is not carried along.
 _HOPELESS = 9.0
@@ -223,13 +223,14 @@ def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[s
             break
         bic = common_bic([state.fit for state in grown.values()], search.problem, search.noise)
         order = sorted(grown.values(), key=lambda state: bic[state.ids])
-        beam = order[:_BEAM]
+        last = bic[order[:_BEAM][-1].ids]
+        beam = order[: _BEAM + any(bic[state.ids] - last < MARGIN for state in order[_BEAM : _BEAM + 1])]
         passing = [state for state in order if frozenset(state.ids) in accepted]
         if best is not base and explains(base, best):
             passing = [state for state in passing if _outdoes(state, best)]
         if passing:
             best = passing[0] if explains(base, passing[0]) else search.polished(passing[0])
-            beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][:_BEAM]
+            beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][: len(beam)]
         # A model that misses three times as much as the best would only find its way to the same terms.
         beam = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
         if best.judgement.is_small and len(best.ids) == depth + 1:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, Path, second_stretch
+from hyperfab.materials.effects.path import Path, second_stretch
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.law import Law, scaled
 
@@ -17,16 +17,6 @@ Answer = tuple[Array, Array]
 OfLaw = Callable[[Array], Answer]
 
 
-def weft_share(path: Path) -> Array:
-    """Return how much of the weft's answer a row has: sin^2 of the angle from the warp; half in an equibiaxial test."""
-    angle = np.radians(path.angle_deg)
-    share = np.where(path.mode == BIAXIAL, 0.5, np.sin(angle) ** 2)
-    # Rows without a direction answer like the warp.
-    share = np.where(np.isfinite(share), share, 0.0)
-    # sin(90 deg) squared is 1 to rounding; the weft is the weft.
-    return np.asarray(np.where(np.abs(share - 1.0) < 1e-12, 1.0, share))
-
-
 def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) -> tuple[Array, Array]:
     """Return stress [MPa] and energy of fibres along warp and weft: ``sum k/(2 g) (exp(g <I4 - 1>^2) - 1)``.
 
@@ -34,7 +24,7 @@ def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) 
     contracts as if it were alone. Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564; at ``growth`` 0 the
     standard reinforcing model.
     """
-    share = weft_share(path)
+    share = path.weft_share
     across = second_stretch(path.mode, stretch, stretch**-0.5, path.across)
     stress, energy = np.zeros_like(stretch), np.zeros_like(stretch)
     for stiffness, along in ((warp, 1.0 - share), (weft, share)):
@@ -48,7 +38,7 @@ def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) 
 
 def between(path: Path, warp: Answer, weft: Answer) -> Answer:
     """Return what lies between the answers of warp and weft, by the direction of each row."""
-    share = weft_share(path)
+    share = path.weft_share
     # The share 1 must give the weft itself, not a sum that rounds.
     stress = np.where(share == 1.0, weft[0], warp[0] + share * (weft[0] - warp[0]))
     return stress, warp[1] + share * (weft[1] - warp[1])
@@ -86,7 +76,7 @@ class Ratio(Directions):
 
     def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
         stress, energy = of(warp)
-        factor = 1.0 + weft_share(path) * (values[0] - 1.0)
+        factor = 1.0 + path.weft_share * (values[0] - 1.0)
         return stress * factor, energy * factor
 
     def weft(self, law: Law, warp: Mapping[str, float], values: Array) -> dict[str, float]:

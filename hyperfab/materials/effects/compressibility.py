@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.anisotropy import weft_share
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, second_stretch
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.kinematics import Array
@@ -115,10 +114,10 @@ class Contraction:
         if self.smooth:
             way = np.log(path.stretch) / np.log1p(values[0])
             warp, *weft = (one[0] + through(way, one[1:]) for one in self._smooth_parts(values))
-            return (warp + weft_share(path) * (weft[0] - warp) if weft else warp), 0.0
+            return (warp + path.weft_share * (weft[0] - warp) if weft else warp), 0.0
         nu = np.full_like(path.stretch, values[0])
         if self.each:
-            nu = nu + weft_share(path) * (values[1] - values[0])
+            nu = nu + path.weft_share * (values[1] - values[0])
         return nu, float(values[-1]) if self.bent else 0.0
 
     def _smooth_parts(self, values: Array) -> list[Array]:

@@ -76,14 +76,30 @@ class Path:
             found[rows] = moved.min() * moved.max() < 1.0 - 1e-9 and self.mode[rows.start] != GENERAL
         return found
 
+    @cached_property
+    def weft_share(self) -> Array:
+        """How much of the weft's answer a row has: sin^2 of the angle from the warp; half in an equibiaxial test."""
+        share = np.where(self.mode == BIAXIAL, 0.5, np.sin(np.radians(self.angle_deg)) ** 2)
+        # Rows without a direction answer like the warp.
+        share = np.where(np.isfinite(share), share, 0.0)
+        # sin(90 deg) squared is 1 to rounding; the weft is the weft.
+        return np.asarray(np.where(np.abs(share - 1.0) < 1e-12, 1.0, share))
+
+    @cached_property
+    def any_pressed(self) -> bool:
+        """Whether any specimen is pressed."""
+        return bool(np.any(self.pressed))
+
     def mirrored(self, stretch: Array) -> Array:
         """Return one over a stretch (n,) of pressed specimens, that of pulled ones as it is."""
+        if not self.any_pressed:
+            return stretch
         return np.asarray(np.where(self.pressed, 1.0 / np.where(self.pressed, stretch, 1.0), stretch))
 
     @cached_property
     def outward(self) -> Path:
         """The same way with pressed specimens pulled as far, by the logarithm of their stretch."""
-        if not np.any(self.pressed):
+        if not self.any_pressed:
             return self
         return replace(self, stretch=self.mirrored(self.stretch), branch=self.up)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.materials.effects.anisotropy import weft_share
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, Path
 from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.kinematics import Array
@@ -24,7 +23,7 @@ def amount(path: Path, weft: float, modes: float) -> Array:
     array([1.5])
     """
     severity = np.where(path.mode == BIAXIAL, _BIAXIAL, np.where(path.mode == SHEAR, _SHEAR, 1.0))
-    return np.asarray(np.maximum(1.0 + weft * weft_share(path), 0.0) * severity**modes)
+    return np.asarray(np.maximum(1.0 + weft * path.weft_share, 0.0) * severity**modes)
 
 
 def each_way(acts: Acts) -> Acts:

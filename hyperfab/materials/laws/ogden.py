@@ -6,6 +6,7 @@ Ogden (1972), Proc. R. Soc. A 326, 565, doi:10.1098/rspa.1972.0026.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class Ogden(Law):
         # Of a term that is next to nothing no test tells the power: a refit would take it anywhere.
         self.bounds = dict.fromkeys(self.nonlinear, BOX)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """mu1, alpha1, mu2, alpha2, ..."""
         pairs = zip(self.linear, self.nonlinear, strict=True)
