@@ -188,7 +188,7 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
     if not 1 <= version <= cls.VERSION:
         again = "make the document again with this one"
         raise InputError(
-            f"has version {version} of the format, this hf knows "
+            f"has version {version} of the format ({found}), this hf knows "
             + (f"up to {cls.VERSION}" if version else "none below 1"),
             file=name,
             key="format",

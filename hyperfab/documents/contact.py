@@ -85,7 +85,9 @@ class ContactDocument(Computed):
 
     converged: bool
     status: str | None = optional("what stood in the way")
-    depth_reached_mm: float | None = optional("where the full depth was not reached")
+    depth_reached_mm: float | None = optional(
+        "where the full depth was not reached, or constants are unstable on the way: what was computed"
+    )
     turning_point_mm: float | None = optional("depth beyond which there is no equilibrium")
     newton_iterations: int = Field(description="on the fitted mesh of the last depth")
     newton_iterations_total: int = Field(description="over all depths and meshes")

@@ -168,6 +168,17 @@ def test_constants_unstable_before_the_depth_end_with_4_though_it_is_reached(pre
     assert status == 4
     assert found["converged"] is True
     assert found["stability"]["stable"] is False
+    assert found["depth_reached_mm"] == 59.0
+    assert "lose Drucker stability at 57.4" in found["status"]
+
+
+@pytest.mark.slow
+def test_a_second_law_that_fails_is_told_where_the_status_is_4(press):
+    status, found, _ = press(NEO_HOOKEAN, "--depth", "59mm", "--steps", "2", against=SOFTENING)
+    assert status == 4
+    assert found["stability"] == {"stable": True}
+    assert found["status"].startswith("other.json: the constants lose Drucker stability at 57.4")
+    assert found["depth_reached_mm"] == found["against"]["depth_reached_mm"] == 59.0
 
 
 def test_a_fabric_with_two_directions_says_how_they_are_used(press):

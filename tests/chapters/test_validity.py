@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from builders import plate
 from conftest import Run
 
 from hyperfab.chapters.validity import Ranges
@@ -186,6 +187,39 @@ def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -
     assert [one.within for one in ranges.entries] == [False, None]
     assert ranges.entries[0].used == (20.0, pytest.approx(250.0))
     assert ranges.warning == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
+
+
+def test_a_mold_that_starts_at_the_first_row_of_its_film_is_within_it(hf: Run, tmp_path: Path) -> None:
+    """No wall of a mold that is heated is ever colder than it began, whatever its first steps are off by."""
+    (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n25,5\n250,13\n")
+    (tmp_path / "plate.toml").write_text(
+        plate(200, 200, 40)
+        + """
+[[heater]]
+on = "plate.z-"
+power = "3000 W"
+[[convection]]
+on = "exposed"
+h = { table = "film.csv" }
+ambient = "25 degC"
+[run]
+start = "25 degC"
+until = "60 s"
+mesh_size = "25 mm"
+"""
+    )
+    done = hf("mold-heat", "plate.toml", "--strict", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    (film,) = json.loads(done.stdout)["validity"]
+    assert film["used"][0] == 25.0
+    # Colder air does cool it below the first row.
+    (tmp_path / "plate.toml").write_text(
+        (tmp_path / "plate.toml").read_text().replace('ambient = "25 degC"', 'ambient = "0 degC"')
+    )
+    done = hf("mold-heat", "plate.toml", "--strict", cwd=tmp_path)
+    assert done.returncode == 1
+    (film,) = json.loads(done.stdout)["validity"]
+    assert 24.0 < film["used"][0] < 25.0
 
 
 @pytest.mark.slow

@@ -37,7 +37,11 @@ def test_an_older_version_is_read() -> None:
 @pytest.mark.parametrize(
     ("document", "cls", "message"),
     [
-        ({"format": "hyperfab.material/3", "width_mm": 1}, Sheet, "a.json, key format: has version 3"),
+        (
+            {"format": "hyperfab.material/3", "width_mm": 1},
+            Sheet,
+            "a.json, key format: has version 3 of the format (hyperfab.material/3)",
+        ),
         (
             {"format": "hyperfab.material/0", "width_mm": 1},
             Sheet,

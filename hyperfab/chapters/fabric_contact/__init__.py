@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact import nearby
 from hyperfab.chapters.fabric_contact.fields import picture, vtu
-from hyperfab.chapters.fabric_contact.result import document, mounted_row, row, status_of
+from hyperfab.chapters.fabric_contact.result import document, failed, mounted_row, row, status_of
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import Fabric, read_fabric
@@ -72,8 +72,8 @@ def run(job: Job, case: ContactCase) -> int:
         )
         found.uncertainty = sure.uncertainty
     _write(job, out, case, fabrics, outcomes, found, sure)
-    failed = any(instabilities) or any(outcome.path.limit for outcome in outcomes)
-    return NotConverged.exit_status if failed else 0
+    fails = any(failed(*one) for one in zip(outcomes, instabilities, strict=True))
+    return NotConverged.exit_status if fails else 0
 
 
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:

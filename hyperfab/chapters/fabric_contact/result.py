@@ -30,14 +30,19 @@ def document(
     """Return the document of one test, or of two that are compared."""
     outcome, unstable = outcomes[0], instabilities[0]
     limit = outcome.path.limit
+    fails = [failed(*one) for one in zip(outcomes, instabilities, strict=True)]
+    status = status_of(outcome, unstable)
+    if any(fails[1:]):  # the command ends with 4 for that alone
+        beside = f"{fabrics[1].name}: {status_of(outcomes[1], instabilities[1])}"
+        status = f"{status}; {beside}" if status else beside
     total = outcome.path.iterations
     presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
     if not setup.friction.remembers:
         total += sum(solved.state.iterations for solved in outcome.solved)
     found = ContactDocument(
         converged=limit is None,
-        status=status_of(outcome, unstable),
-        depth_reached_mm=_reached(outcome),
+        status=status,
+        depth_reached_mm=_reached(outcome) if any(fails) else None,
         turning_point_mm=limit.turning_point if limit else None,
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
@@ -66,6 +71,11 @@ def _half_thickness(setup: Setup) -> list[str]:
     half = 0.5 * setup.thickness
     share = 100.0 * half / setup.radius
     return [f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"]
+
+
+def failed(outcome: Outcome, unstable: Instability | None) -> bool:
+    """Return whether the depth was not reached, or the constants are unstable on the way."""
+    return outcome.path.limit is not None or unstable is not None
 
 
 def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
@@ -156,7 +166,7 @@ def _compare(found: ContactDocument, fabric: Fabric, outcomes: Sequence[Outcome]
         model=fabric.model,
         converged=limit is None,
         status=status_of(other, unstable),
-        depth_reached_mm=_reached(other),
+        depth_reached_mm=_reached(other) if failed(other, unstable) else None,
         force_depth=_force_depth(other),
         stability=_stability(unstable, limit),
     )
@@ -178,11 +188,11 @@ def _force_depth(outcome: Outcome) -> list[tuple[float, float]]:
     return [(0.0, 0.0), *((solved.read, solved.state.force) for solved in outcome.solved)]
 
 
-def _reached(outcome: Outcome) -> float | None:
-    """Return how deep a path came that ends early, as the machine reads it."""
+def _reached(outcome: Outcome) -> float:
+    """Return how deep a path came [mm], as the machine reads it."""
     limit, states = outcome.path.limit, outcome.path.states
     if limit is None:
-        return None
+        return outcome.solved[-1].read
     return limit.depth + (outcome.rough.frame * states[-1].force if states else 0.0)
 
 

@@ -191,6 +191,15 @@ class MoldBuilder:
             return said
         return f"{said}, {heat / power / 60.0:.3g} min of {power:g} W if it were even and lost nothing"
 
+    @property
+    def coldest_around(self) -> float:
+        """The least temperature [degC] that anything the mold stands in, is held at or is laid on it ever has."""
+        tables = [
+            table.y for key, table in self.functions.items() if key.endswith("ambient") or key.startswith("temperature")
+        ]
+        pieces = [contact.fresh for contact in self.document.contact if contact.fresh is not None]
+        return min([*(float(np.min(table)) for table in tables), *pieces], default=np.inf)
+
     def _renewals(self, mesh: HeatMesh) -> list[Renewal]:
         """Return when parts that come fresh are put in: each time their contact closes."""
         names = [part.name for part in self.document.part]

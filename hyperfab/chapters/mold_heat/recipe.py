@@ -89,10 +89,15 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
 
+    coldest = min(builder.coldest_around, float(start.min()))
+
     @cache
-    def reached(outside: bool) -> tuple[float, float]:
+    def reached(outside: bool) -> Array:
+        # A little colder than anything it began at or stands in is, beside a heater that was just switched on, what
+        # elements make of a step and no wall: heaters only add.
         outer = problem.mesh.facet_nodes(problem.mesh.facets.outer)
-        return history.states.extremes(np.unique(outer) if outside else np.arange(problem.mesh.solid))
+        nodes = np.unique(outer) if outside else np.arange(problem.mesh.solid)
+        return np.maximum(history.states.extremes(nodes), coldest)
 
     note_ranges(job, mold, builder.tables, reached, history.states.times)
     result.design = chosen
