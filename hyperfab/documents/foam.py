@@ -236,6 +236,22 @@ class ExpansionSection(Section):
     reference: Temperature = Field(default=20.0, description="where the STL files hold", examples=["20 degC"])
 
 
+def in_full(plain: dict[str, Any]) -> dict[str, Any]:
+    """Return a document's plain data with short forms written out: a file's name as the foam's law, a share that
+    heat takes.
+
+    >>> in_full({"compression": "foam.json", "shrinkage": 0.02})
+    {'compression': {'material': 'foam.json'}, 'shrinkage': {'amount': 0.02}}
+    """
+    law, taken = plain.get("compression"), plain.get("shrinkage")
+    found = dict(plain)
+    if isinstance(law, str):
+        found["compression"] = {"material" if law.endswith(".json") else "table": law}
+    if isinstance(taken, int | float) and not isinstance(taken, bool):
+        found["shrinkage"] = {"amount": taken}
+    return found
+
+
 class FoamDocument(HandWritten):
     """The sandwich that is pressed."""
 
@@ -264,6 +280,11 @@ class FoamDocument(HandWritten):
     def laws(self) -> list[Law]:
         """Compression laws of the foam: one, or one a temperature, rising."""
         return list(self.compression) if isinstance(self.compression, list) else [self.compression]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_full(cls, value: object) -> object:
+        return in_full(value) if isinstance(value, dict) else value
 
     @model_validator(mode="after")
     def _one_thing_stays(self) -> FoamDocument:

@@ -266,6 +266,29 @@ def test_drape_thins_incompressible_foam_as_all_layers_before(shop, monkeypatch)
         assert draped[key] == pytest.approx(plain[key], rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("short", "full"),
+    [
+        ('compression = "foam.csv"', 'compression = { table = "foam.csv" }'),
+        ('compression = "foam.json"', 'compression = { material = "foam.json" }'),
+        ("shrinkage = 0.05", "shrinkage = { amount = 0.05 }"),
+    ],
+)
+def test_short_forms_of_the_foam_are_the_full_ones(shop, monkeypatch, short, full):
+    (shop / "foam.csv").write_text("strain [-],stress [MPa]\n0,0\n0.5,0.01\n0.9,0.1\n")
+    foam = {"mu1_MPa": 0.02, "alpha1": 8.0, "nu1": 0.1}
+    (shop / "foam.json").write_text(
+        json.dumps({"format": "hyperfab.material/1", "model": "hyperfoam-1", "parameters": foam})
+    )
+    law = next(line for line in FOAM.splitlines() if line.startswith("compression"))
+    for name, text in (("short", short), ("full", full)):
+        changed = FOAM.replace(law, text) if text.startswith("compression") else FOAM + text
+        (shop / f"{name}.toml").write_text(changed)
+    given = {"gap": "3mm", "temperature": "20degC"}
+    one, other = (press(shop, monkeypatch, foam=f"{name}.toml", **given)[1] for name in ("short", "full"))
+    assert one["force_N"] == other["force_N"] > 0.0
+
+
 def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):
     _, plain = press(shop, monkeypatch, gap="3mm")
     assert "final_thickness" not in plain  # nothing says what stays

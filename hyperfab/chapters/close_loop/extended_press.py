@@ -16,6 +16,7 @@ from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.inputs import ALUMINIUM
 from hyperfab.chapters.press_contact.result import PressResult
+from hyperfab.documents.foam import in_full
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import dump_toml, load_toml
@@ -57,7 +58,7 @@ def extend(
     job: Job, out: Output, case: PressCase, told: PressResult, problem: PressProblem, found: Finding
 ) -> Extension:
     """Return the case of the extended press, and the files it reads."""
-    foam = copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam)))
+    foam = in_full(copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam))))
     relocate(foam, (os.path.dirname(case.foam), str(out.path("").parent)))
     draft = _Draft(case, foam, told, problem, out.path("").name)
     fit = found.after.fit

@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.uncertainty.sources import Entry, Number, Origin, Place, inside, of_document, read_as
-from hyperfab.documents.foam import FoamDocument
+from hyperfab.documents.foam import FoamDocument, in_full
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import quantity
 from hyperfab.numerics.propagation import Source
@@ -96,7 +96,7 @@ def _laws(plain: Any) -> Iterator[Any]:
 
 def mounted(plain: Any, case: PressCase) -> Any:
     """Return a sandwich's plain document with a place for all that may be off, the tilt of the case in it."""
-    found = copy.deepcopy(plain)
+    found = in_full(copy.deepcopy(plain))
     for _, law in _compressions(found):
         law.setdefault("factor", 1.0)
     section = found.setdefault("press", {})
