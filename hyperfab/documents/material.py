@@ -79,12 +79,12 @@ class FitUncertainty(Part):
 
     order: list[str] = Field(description="names of the constants, in the order of the covariance")
     covariance: list[list[float]] | None = optional(
-        "of the constants; absent where nothing shows how specimens scatter nor states how readings do"
+        "of the constants, by its source; absent where there are no more readings than constants"
     )
     specimens: int = Field(description="specimens fitted")
     degrees_of_freedom: float = Field(description="of Student's t for an interval; 0 where there are no replicates")
     source: Literal["specimens", "readings", "stated"] = Field(
-        description="specimens: from how they scatter; readings: how they scatter is unknown; stated: from what is "
+        description="specimens: from how they scatter; readings: from what the law misses; stated: from what is "
         "stated of the readings, how specimens scatter being unknown too"
     )
     law: float | None = optional(

@@ -136,7 +136,7 @@ def test_each_direction_and_temperature_of_a_sheet_says_how_sure_it_is() -> None
     # With one specimen of a kind nothing shows how they scatter.
     alone = sure_of_sheet(sheet(GAINS[:1], GAINS[:1]), Setting(("uniaxial",), True, False, 1.0))
     assert alone is not None
-    assert (alone.source, alone.covariance) == ("readings", None)
+    assert alone.source == "readings"
 
 
 def test_what_the_law_misses_in_all_specimens_is_no_scatter() -> None:
@@ -179,7 +179,13 @@ def test_the_document_says_what_its_deviations_are_known_from(hf: Run, root: Pat
 
 def test_one_specimen_shows_no_scatter_and_none_is_made_up(hf: Run, root: Path) -> None:
     done = hf("fit", "--uniaxial", root / "specimens/treloar-1944/uniaxial.csv")
-    sure = json.loads(done.stdout)["fit"]["uncertainty"]
+    fit = json.loads(done.stdout)["fit"]
+    sure = fit["uncertainty"]
     assert (sure["source"], sure["specimens"], sure["degrees_of_freedom"]) == ("readings", 1, 0)
-    assert "covariance" not in sure
+    # What the readings alone tell stands there, as what it is; no later command takes it for more.
+    sd = [fit["parameters_sd"][name] for name in sure["order"]]
+    np.testing.assert_allclose(np.sqrt(np.diag(sure["covariance"])), sd, rtol=1e-12)
+    contact = hf("fabric-contact", "-", "--depth", "10mm", "--steps", "1", stdin=done.stdout)
+    assert contact.returncode == 0
+    assert "uncertainty" not in json.loads(contact.stdout)
     assert 0.0 < sure["law"] < 2.0

@@ -81,13 +81,12 @@ def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDoc
 def uncertainty(sure: Certainty, specimens: int) -> FitUncertainty:
     """Return how sure the constants are, and what that is known from."""
     one = sure.scatter
-    covariance = sure.stated if one is None else one.covariance
     return FitUncertainty(
         order=list(sure.names),
-        covariance=None if covariance is None else covariance.tolist(),
+        covariance=sure.covariance.tolist() if np.isfinite(sure.covariance).all() else None,
         specimens=specimens if one is None else one.specimens,
         degrees_of_freedom=0 if one is None else one.freedom,
-        source="specimens" if one is not None else "readings" if covariance is None else "stated",
+        source="specimens" if one is not None else "stated" if sure.stated else "readings",
         parts=None
         if one is None or len(one.parts) < 2
         else [ScatterPart(covariance=part.tolist(), degrees_of_freedom=freedom) for part, freedom in one.parts],

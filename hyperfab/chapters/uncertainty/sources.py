@@ -252,7 +252,9 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
                 continue
             if own.source != "specimens":
                 unknown.append(f"{base}: how specimens{of}{at} scatter is not known from these tests")
-            if own.covariance is None:
+            # What a law misses in one specimen's readings is no measure of how sure its constants are.
+            alone = own.source == "readings" and own.degrees_of_freedom == 0
+            if own.covariance is None or alone:
                 continue
             walls = WALLS if document.model == ORTHOTROPIC else {}
             known.append(_constants(own, file, places[-1], f"{base}: constants{of}{at}", walls))

@@ -54,28 +54,27 @@ class Certainty:
     """Standard deviations and correlations of the constants, in the order of ``names``, and the condition number.
 
     The condition number is that of the Jacobian with columns of length one: 1 where the constants do not disturb
-    each other. ``scatter`` is where the standard deviations come from, None where from the readings alone; where the
-    readings' own deviations are stated, ``stated`` is the covariance of the constants then. ``leverage`` is each row's
-    share in its own prediction, ``studentised`` its residual over the residual's own standard deviation with the row
-    left out.
+    each other. ``covariance`` (p, p) is from ``scatter`` between specimens; where that is None, from the readings
+    alone, whose own deviations are ``stated`` or follow from what the law misses. ``leverage`` is each row's share in
+    its own prediction, ``studentised`` its residual over the residual's own standard deviation with the row left out.
     """
 
     names: tuple[str, ...]
     sd: Array
+    covariance: Array
     correlation: Array
     condition_number: float
     leverage: Array
     studentised: Array
     scatter: Scatter | None = None
-    stated: Array | None = None
+    stated: bool = False
 
     def reordered(self, order: Sequence[int]) -> Certainty:
         """Return the certainty with the constants, under the same names, in another order."""
         square = np.ix_(order, order)
         scatter = None if self.scatter is None else self.scatter.reordered(order)
-        stated = None if self.stated is None else self.stated[square]
-        correlation = self.correlation[square]
-        return replace(self, sd=self.sd[order], correlation=correlation, scatter=scatter, stated=stated)
+        covariance, correlation = self.covariance[square], self.correlation[square]
+        return replace(self, sd=self.sd[order], covariance=covariance, correlation=correlation, scatter=scatter)
 
 
 def certainty(
@@ -121,24 +120,24 @@ def sure_of(
     spread = change @ root
     covariance = spread @ spread.T * variance
     scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
-    stated = None
     if scatter is not None:
         covariance = scatter.covariance
     elif deviation is not None:
         moved = spread @ U.T * deviation
-        covariance = stated = moved @ moved.T
+        covariance = moved @ moved.T
     sd = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(sd, sd)
     return Certainty(
         names=tuple(names),
         sd=sd,
+        covariance=covariance,
         correlation=correlation,
         condition_number=float(s[0] / s[-1]) if len(s) and s[-1] > 0.0 else np.inf,
         leverage=leverage,
         studentised=_studentised(fit.residual, leverage, sse, freedom),
         scatter=scatter,
-        stated=stated,
+        stated=scatter is None and deviation is not None,
     )
 
 
