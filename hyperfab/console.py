@@ -16,7 +16,7 @@ import traceback
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from types import FrameType
-from typing import Protocol
+from typing import Literal, Protocol
 
 from hyperfab.errors import HyperfabError
 from hyperfab.system import ALARM, alarm
@@ -41,6 +41,11 @@ class Advance(Protocol):
     """Moves a progress line: the fraction done (0 to 1) and what is being done."""
 
     def __call__(self, fraction: float, text: str = "") -> None: ...
+
+
+def _colours() -> Literal["auto"] | None:
+    """Return what rich may draw with: nothing, bold neither, where NO_COLOR asks for plain text."""
+    return None if os.environ.get("NO_COLOR") else "auto"
 
 
 class Interrupted(KeyboardInterrupt):
@@ -94,7 +99,8 @@ class Console:
         # Written by ourselves: rich ends the program where nobody reads.
         terminal = sys.stderr.isatty()
         shown = io.StringIO()
-        RichConsole(file=shown, force_terminal=terminal, width=None if terminal else 200).print(table)
+        width = None if terminal else 200
+        RichConsole(file=shown, force_terminal=terminal, color_system=_colours(), width=width).print(table)
         self._line(shown.getvalue().removesuffix("\n"))
 
     @contextlib.contextmanager
@@ -123,7 +129,7 @@ class Console:
             TextColumn("{task.percentage:>3.0f} %"),
             TimeElapsedColumn(),
             TextColumn("{task.fields[text]}", markup=False),
-            console=RichConsole(stderr=True),
+            console=RichConsole(stderr=True, color_system=_colours()),
             transient=True,
         )
         with bar:

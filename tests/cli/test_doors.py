@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -177,3 +178,19 @@ def test_what_has_no_pace_is_given_no_forecast(monkeypatch, capfd, terminal: boo
     shown = capfd.readouterr().err
     assert "pace" not in shown
     assert terminal or shown.splitlines() == ["Meshing the mold: after 1 min"]
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_no_colour_means_plain_text_on_a_terminal(monkeypatch, capfd, plain: bool) -> None:
+    from hyperfab import console
+
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("NO_COLOR", "1" if plain else "")
+    console.Console().table("The path", ["depth [mm]"], [["20"]])
+    with console.Console().progress("Pressing") as advance:
+        advance(0.5)
+    # Colours and bold are one kind of escape; that of a line which moves is another.
+    styled = re.search(r"\x1b\[[0-9;]*m", capfd.readouterr().err)
+    assert (styled is None) is plain
