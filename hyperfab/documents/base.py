@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -39,6 +39,19 @@ class Part(BaseModel):
     """A table of a document that a program wrote: keys of a later minor version are kept."""
 
     model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+
+class OrShort:
+    """Lets the JSON Schema of a field take its short form too, which a validator writes out: one of a list, or what
+    ``short`` describes.
+    """
+
+    def __init__(self, short: str | None = None) -> None:
+        self.short = short
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        full = handler(core)
+        return {"anyOf": [full["items"] if self.short is None else {"type": self.short}, full]}
 
 
 class Section(BaseModel):

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import HandWritten, MisfitError, Section, optional
+from hyperfab.documents.base import HandWritten, MisfitError, OrShort, Section, optional
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
     ConstantConductivity,
@@ -118,7 +118,7 @@ def _compressions(value: object) -> object:
     return sorted(laws, key=lambda law: law.temperature or 0.0)
 
 
-Compressions = Annotated[Compression | list[Compression], BeforeValidator(_compressions)]
+Compressions = Annotated[Compression | list[Compression], BeforeValidator(_compressions), OrShort("string")]
 
 
 def _molar(value: object) -> float:
@@ -269,7 +269,7 @@ class FoamDocument(HandWritten):
         Annotated[float, Field(ge=0.0, le=1.0)] | TableFile | MeasuredSet | ArrheniusSet | None,
         BeforeValidator(_set),
     ] = None
-    shrinkage: Shrinkage = Shrinkage()
+    shrinkage: Annotated[Shrinkage, OrShort("number")] = Shrinkage()
     relaxation: Relaxation = Relaxation()
     variation: Variation = Variation()
     expansion: ExpansionSection = ExpansionSection()

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import HandWritten, MisfitError, Section
+from hyperfab.documents.base import HandWritten, MisfitError, OrShort, Section
 from hyperfab.documents.mold_shapes import BodySection, BoxSection, PartSection, Point
 from hyperfab.documents.quantity import (
     Conductivity,
@@ -62,7 +62,7 @@ def _places(value: object) -> object:
     return found
 
 
-Places = Annotated[list[Place], BeforeValidator(_places)]
+Places = Annotated[list[Place], BeforeValidator(_places), OrShort()]
 
 
 class HasPlaces(Protocol):

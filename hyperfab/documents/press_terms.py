@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from hyperfab.documents.base import Section
+from hyperfab.documents.base import OrShort, Section
 from hyperfab.documents.quantity import Angle, Shift, Stiffness, Time
 
 #: A press further out of parallel is broken, or the angle is a slip of the pen.
@@ -59,7 +59,7 @@ def _of_foam(value: object) -> object:
     return {"foam": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
-Poisson = Annotated[PoissonRatios, BeforeValidator(_of_foam)]
+Poisson = Annotated[PoissonRatios, BeforeValidator(_of_foam), OrShort("number")]
 
 
 def _list(value: object) -> object:

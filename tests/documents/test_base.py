@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import tomllib
+from pathlib import Path
 from typing import Any, ClassVar
 
 import jsonschema
 import pytest
+from conftest import ROOT
 from pydantic import Field
 
 from hyperfab.documents.base import KINDS, Document, HandWritten, parse_document, schema
@@ -151,3 +154,20 @@ def test_keys_that_do_not_go_together_are_told_by_the_one_to_look_at(change: dic
     parse_document(PLATE, "mold.toml", MoldDocument)
     with pytest.raises(InputError, match=f"^mold.toml, key {key}: "):
         parse_document(PLATE | change, "mold.toml", MoldDocument)
+
+
+@pytest.mark.parametrize(
+    "path", sorted([*ROOT.glob("molds/*.toml"), *ROOT.glob("specimens/*.toml")]), ids=lambda p: p.name
+)
+def test_documents_that_people_write_fit_the_schema_of_their_kind(path: Path) -> None:
+    plain = tomllib.loads(path.read_text())
+    jsonschema.validate(plain, schema(plain["format"].removeprefix("hyperfab.").partition("/")[0]))
+
+
+def test_a_schema_takes_the_short_forms_that_are_read_and_no_others() -> None:
+    foam = {"format": "hyperfab.foam/1", "thickness": "4 mm", "compression": "foam.csv"}
+    for more in ({}, {"poisson": 0.3}, {"shrinkage": 0.05}, {"compression": [{"table": "a.csv"}]}):
+        jsonschema.validate({**foam, **more}, schema("foam"))
+    for wrong in ({"compression": 3}, {"shrinkage": "a lot"}, {"poisson": [0.3]}):
+        with pytest.raises(jsonschema.ValidationError):
+            jsonschema.validate({**foam, **wrong}, schema("foam"))
