@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 from builders import FILM, PLATE
+from conftest import Run
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
@@ -25,6 +26,7 @@ from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import NotConverged
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.vtu_read import read_vtu
 from hyperfab.samples import cup
 
 CONSTANTS = {"C10_MPa": 0.06, "C20_MPa": 0.02, "C30_MPa": 0.017}
@@ -420,3 +422,25 @@ def test_constants_and_effects_of_an_extended_model_are_one_source(made: Any) ->
     assert relative(found, "force_N") == pytest.approx(0.03, rel=1e-6)
     budget = found["uncertainty"]["quantities"]["force_N"]["budget"]
     assert [one["source"] for one in budget] == ["fabric.json: constants and effects, 5 specimens"]
+
+
+def test_the_twins_of_a_drapes_stretches_are_half_of_what_two_drapes_differ_by(
+    hf: Run, folder: Path, tmp_path: Path
+) -> None:
+    """The more of one constant, the other constants as they are: the ways in which the sheet stretches shift."""
+    sd = 0.02 * CONSTANTS["C20_MPa"]
+    (tmp_path / "fabric.json").write_bytes(material(np.diag([0.0, sd**2, 0.0])))
+    for name, way in (("less", -1.0), ("more", 1.0)):
+        moved = {**CONSTANTS, "C20_MPa": CONSTANTS["C20_MPa"] + way * sd}
+        (tmp_path / f"{name}.json").write_bytes(material(parameters=moved))
+    found = {}
+    for name in ("fabric", "less", "more"):
+        words = (name + ".json" if word == "fabric.json" else word for word in DRAPE)
+        words = (str(folder / word) if word == "ball.stl" else word for word in words)
+        done = hf(*words, "--tolerance", "1e-10", "-o", f"{name}.drape.json", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
+        found[name] = read_vtu((tmp_path / f"{name}.drape.vtu").read_bytes(), name).cell_data
+    for name in ("stretch_warp", "stretch_weft"):
+        half = 0.5 * np.abs(found["more"][name] - found["less"][name])
+        assert half.max() > 1e-6
+        assert found["fabric"][f"{name}_sd"] == pytest.approx(half, abs=0.02 * half.max())

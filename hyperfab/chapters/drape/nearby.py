@@ -83,6 +83,8 @@ def _answer(sheet: Sheet, fields: Answers, moved: Array) -> Answer:
     }
     by_name = {
         "thickness_mm": fields.cell_thickness.ravel(),
+        "stretch_warp": fields.cell_stretch_warp.ravel(),
+        "stretch_weft": fields.cell_stretch_weft.ravel(),
         "stress_warp_MPa": fields.stress_warp.ravel(),
         "stress_weft_MPa": fields.stress_weft.ravel(),
         "thickness_ratio": fields.cell_thickness.ravel() / sheet.thickness,
