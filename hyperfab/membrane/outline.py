@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,51 +63,6 @@ class Arc:
         final = np.arctan2(self.end[1] - self.centre[1], self.end[0] - self.centre[0])
         sweep = (final - begin) % (2 * np.pi)
         return float(begin), float(sweep if sweep > 1e-12 else 2 * np.pi)
-
-
-class Piece(Protocol):
-    """One smooth piece of a boundary, between corners or symmetry lines."""
-
-    @property
-    def normal(self) -> int | None:
-        """The axis (0 or 1) that displacements may not have on a symmetry line, None on the rim."""
-
-    @property
-    def length(self) -> float:
-        """Its length [mm]."""
-
-    def points(self, fraction: Array) -> Array:
-        """Return the points at ``fraction`` (0 to 1) of its length."""
-
-    def between(self, ends: Array) -> Array:
-        """Return the points (n, 2) half-way along it between two of its points, ``ends`` (n, 2, 2)."""
-
-
-class Outline(Protocol):
-    """A flat outline around the origin, where the sphere first touches."""
-
-    @property
-    def quarter(self) -> bool:
-        """Whether only x, y >= 0 is meant, the rest being its mirror image."""
-
-    @property
-    def arcs(self) -> tuple[Piece, ...]:
-        """The boundary in smooth pieces, anticlockwise."""
-
-    @property
-    def convex(self) -> bool:
-        """Whether a straight line between any two of its points stays inside."""
-
-    @property
-    def reach(self) -> float:
-        """Smallest distance [mm] from the origin to the rim."""
-
-    @property
-    def area(self) -> float:
-        """Area [mm²] of the whole sheet, also where a quarter is computed."""
-
-    def inside(self, points: Array, margin: Array | float = 0.0) -> NDArray[np.bool_]:
-        """Whether points (n, 2) lie inside by at least ``margin`` [mm]."""
 
 
 @dataclass(frozen=True)
@@ -311,6 +266,10 @@ class Polygon:
         first = points[(points[:, 1] == 0.0) & (points[:, 0] > 0.0)].max(axis=0)
         last = points[(points[:, 0] == 0.0) & (points[:, 1] > 0.0)].max(axis=0)
         return np.vstack([first, inner, last])
+
+
+#: A flat outline around the origin, where the sphere first touches.
+Outline = Disc | Square | Polygon
 
 
 def signed_area(vertices: Array) -> float:

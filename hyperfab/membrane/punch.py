@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,16 +56,6 @@ class Nearness:
         if before is not None:
             turning = np.where((self.facet[nodes] == before[nodes])[:, None, None], 0.0, turning)
         return Nearness(self.gap[nodes], self.normal[nodes], turning, self.facet[nodes])
-
-
-class Punch(Protocol):
-    """A rigid surface that is pushed up along z: at depth 0 its highest point touches the plane z = 0."""
-
-    def near(self, places: Array, depth: float) -> Nearness:
-        """Return how the points (n, 3) lie to the surface pushed in by ``depth`` [mm]."""
-
-    def height(self, plane: Array, depth: float) -> Array:
-        """Return the height (n,) of the surface above points (n, 2) of the plane; minus infinity beside it."""
 
 
 @dataclass(frozen=True)
@@ -167,3 +156,7 @@ class Facets:
     def size(self) -> float:
         """Longest side [mm] of the box around it."""
         return float((self.surface.bounds[0, 3:] - self.surface.bounds[0, :3]).max())
+
+
+#: A rigid surface that is pushed up along z: at depth 0 its highest point touches the plane z = 0.
+Punch = Sphere | Facets

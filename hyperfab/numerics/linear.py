@@ -10,7 +10,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sparse
@@ -24,23 +23,6 @@ from hyperfab.numerics.multifrontal import CholeskyFactor, Elimination, NotPosit
 
 class SingularMatrixError(HyperfabError):
     """The matrix has no inverse."""
-
-
-class Factor(Protocol):
-    """A factorised matrix; ``name`` is the solver's."""
-
-    name: str
-
-    def solve(self, right: Array) -> Array:
-        """Return x with A x = right; SingularMatrixError where it is not finite."""
-        ...
-
-    def negative_pivots(self, noise: float = 0.0) -> int:
-        """Return the number of pivots below zero by more than ``noise`` of the median one.
-
-        For a symmetric matrix it is the number of negative eigenvalues.
-        """
-        ...
 
 
 class SuperLUFactor:
@@ -63,11 +45,14 @@ class SuperLUFactor:
             raise SingularMatrixError(str(error)) from error
 
     def solve(self, right: Array) -> Array:
-        """Return the solution, for a vector or for columns."""
+        """Return x with A x = right, a vector or columns; SingularMatrixError where it is not finite."""
         return _finite(np.asarray(self._factor.solve(right)))
 
     def negative_pivots(self, noise: float = 0.0) -> int:
-        """Count the pivots below zero."""
+        """Return the number of pivots below zero by more than ``noise`` of the median one.
+
+        For a symmetric matrix it is the number of negative eigenvalues.
+        """
         pivots = self._factor.U.diagonal()
         return int((pivots < -noise * float(np.median(np.abs(pivots)))).sum())
 
@@ -86,6 +71,10 @@ class _Behind:
         if not isinstance(self.factor, CholeskyFactor):
             raise NotImplementedError("pivots of a matrix that is not symmetric")
         return 0
+
+
+#: A factorised matrix; ``name`` is the solver's.
+Factor = SuperLUFactor | _Behind
 
 
 class DirectSolver:

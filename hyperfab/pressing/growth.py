@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -50,13 +49,6 @@ def guide_line(male: Mold) -> Array:
     return np.asarray(0.5 * (plan.min(axis=0) + plan.max(axis=0)))
 
 
-class Growth(Protocol):
-    """How a hot mold has grown: the displacement of each of its points from where it is cold."""
-
-    def at(self, points: Array) -> Array:
-        """Return the displacements (n, 3) [mm] at cold ``points`` (n, 3) of the mold's surface."""
-
-
 @dataclass(frozen=True)
 class EvenGrowth:
     """Growth by one ``strain`` from the ``fixed`` point (3,) [mm].
@@ -84,6 +76,10 @@ class FieldGrowth:
     def at(self, points: Array) -> Array:
         """Return the displacements (n, 3) [mm] of the mesh's boundary nearest to ``points`` (n, 3)."""
         return at_boundary(self.mesh, self.faces, self.moved, points)[0]
+
+
+#: How a hot mold has grown: the displacement of each of its points from where it is cold.
+Growth = EvenGrowth | FieldGrowth
 
 
 def even_growth(mold: Mold, strain: float, line: Array) -> EvenGrowth:

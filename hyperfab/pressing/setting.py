@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,14 +21,6 @@ ZERO_CELSIUS = 273.15
 DEPTHS, TIMES = 6, 16
 
 
-class SetLaw(Protocol):
-    """How much of a strain stays."""
-
-    def after(self, temperature: Array, spans: Array, strain: Array) -> Array:
-        """Return the share (n,) that stays of ``strain`` (n,) after ``spans`` (t,) [s], one after the other, at
-        ``temperature`` (t, n) [degC]."""
-
-
 @dataclass(frozen=True)
 class Share:
     """The same share of every strain stays."""
@@ -37,7 +28,8 @@ class Share:
     share: float
 
     def after(self, temperature: Array, spans: Array, strain: Array) -> Array:
-        """Return the share (n,)."""
+        """Return the share (n,) that stays of ``strain`` (n,) after ``spans`` (t,) [s], one after the other, at
+        ``temperature`` (t, n) [degC]."""
         return np.full(len(strain), self.share)
 
 
@@ -99,6 +91,10 @@ class Table:
             for t, d, e in zip(one.ravel(), span.ravel(), strains.ravel(), strict=True)
         ]
         return np.array(found).reshape(one.shape)
+
+
+#: How much of a strain stays.
+SetLaw = Share | Arrhenius | Table
 
 
 def stays(

@@ -7,7 +7,6 @@ in how far it is from there, is taken at a few points of its faces.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -19,16 +18,6 @@ from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.trail import Lift
-
-
-class Projected(Protocol):
-    """A condition in coordinates."""
-
-    def flow(self, time: float, coordinates: Array) -> Array:
-        """Return the heat flow into each basis vector (r,) [W]."""
-
-    def tangent(self, time: float, coordinates: Array) -> Array:
-        """Return minus its derivative (r, r) [W/K]."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +87,10 @@ class Face:
         at = self._origin + self._rows @ coordinates
         rate, _ = self.condition.rates(at, self.condition.ambient.at(time))
         return self._matrix + self._weighted.T @ ((rate - self._base[1])[:, None] * self._rows)
+
+
+#: A condition in coordinates.
+Projected = _Source | _Joint | Face
 
 
 def project(condition: Condition, lift: Lift, time: float) -> Projected | None:
