@@ -15,7 +15,6 @@ from hyperfab.chapters.validity import Ranges
 from hyperfab.console import NEGATIVE_VERDICT, Console
 from hyperfab.documents.base import Document, stated_kind
 from hyperfab.documents.provenance import record, relative_name
-from hyperfab.errors import UsageError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output, write_stdout
 
@@ -131,10 +130,3 @@ class _Seen:
         if isinstance(data, dict):
             return {key: self.named(value) for key, value in data.items()}
         return [self.named(value) for value in data] if isinstance(data, list) else data
-
-
-def refuse_twice(names: Sequence[str]) -> None:
-    """UsageError where a measured file is given twice: its rows would count double."""
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise UsageError(f"{twice[0]} is given twice; its rows would count double")

@@ -329,6 +329,8 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
         if unit is not None:
             heads[index] = replace(heads[index], unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
+    # A column of a workbook may hold numbers as text, with a comma.
+    comma = any("," in cell and is_number(cell) for cells in columns for cell in cells[:50])
     return CsvSheet(
         name,
         separator,
@@ -340,14 +342,9 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
         dict(block.left_out),
         tuple(dict.fromkeys(block.words)),
         layout,
-        mark="." if separator == "cell" and not any(map(_has_comma, columns)) else None,
+        mark="." if separator == "cell" and not comma else None,
         over=block.over,
     )
-
-
-def _has_comma(cells: Sequence[str]) -> bool:
-    """Whether a column of a workbook holds numbers as text, with a comma."""
-    return any("," in cell and is_number(cell) for cell in cells[:50])
 
 
 def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int], name: str) -> str | None:

@@ -159,7 +159,9 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
     if values is None:
         values = np.array(
             [
-                np.nan if gaps and _is_gap(cell) else _number(cell, sheet, heading, row, decimal, shift)
+                np.nan
+                if gaps and (not cell or cell.casefold().strip("+-") in _NO_READING)
+                else _number(cell, sheet, heading, row, decimal, shift)
                 for row, cell in enumerate(cells)
             ]
         )
@@ -282,10 +284,6 @@ def _power_of_ten(factor: Fraction) -> int | None:
         if factor == Fraction(10) ** power:
             return power
     return None
-
-
-def _is_gap(cell: str) -> bool:
-    return not cell or cell.casefold().strip("+-") in _NO_READING
 
 
 def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str, shift: int) -> float:

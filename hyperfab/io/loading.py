@@ -14,7 +14,7 @@ from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain
 from hyperfab.io.headings import meaning
 from hyperfab.io.kinds_of_tests import Pressed
-from hyperfab.io.role_words import missing, no_stress, no_stretch, no_unit
+from hyperfab.io.role_words import missing, no_stress, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.signs import counts_down, farthest, of_mechanics, perhaps_pulled, refuse_either_way
 from hyperfab.io.specimen import Specimen
@@ -80,7 +80,7 @@ def read_loading(specimen: Specimen, roles: Roles, test: str, pressed: Pressed =
             remedy='give the file as it is, without --uniaxial, --shear or --biaxial, or say "# test: simple-shear"',
         )
     if stretch is None:
-        raise no_stretch(sheet, roles)
+        raise missing(sheet, roles, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
     stretch2 = reader.stretch(" 2")
     stress, membrane, sd = reader.stress("", stretch)
     if stress is None and test == "simple-shear":

@@ -39,11 +39,6 @@ def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
     )
 
 
-def no_stretch(sheet: CsvSheet, found: Roles) -> InputError:
-    """Return the error that no column gives a stretch."""
-    return missing(sheet, found, "a stretch", '"stretch", "strain [%]" or "extension [mm]"')
-
-
 def no_stress(sheet: CsvSheet, found: Roles) -> InputError:
     """Return the error that no column gives a stress."""
     names = '"stress [MPa]", "true stress [MPa]", "membrane stress [N/mm]" or "force [N]"'

@@ -167,7 +167,7 @@ def close(
         best = _ordered(search, likelier)
         others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others, best.fit.forms)
-    added = _worth_of_each(search, best)
+    added = {name: search.evidence(search.without(best, name), best) for name in best.ids}
     if not explains(before, best):
         verdict = "unexplained"
     elif sets:
@@ -227,7 +227,9 @@ def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[s
         beam = order[: _BEAM + any(bic[state.ids] - last < MARGIN for state in order[_BEAM : _BEAM + 1])]
         passing = [state for state in order if frozenset(state.ids) in accepted]
         if best is not base and explains(base, best):
-            passing = [state for state in passing if _outdoes(state, best)]
+            # More terms, these or others, have to pay where the fewer explain what was there.
+            beyond = 0.5 * (best.excess - 1.0)
+            passing = [state for state in passing if state.judgement.is_small and state.excess - 1.0 <= beyond]
         if passing:
             best = passing[0] if explains(base, passing[0]) else search.polished(passing[0])
             beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][: len(beam)]
@@ -239,11 +241,6 @@ def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[s
         if search.problem.describes and explains(base, best) and surprise(best) <= 0.5 * MARGIN * (depth + 1):
             break
     return best, tried
-
-
-def _outdoes(larger: Candidate, smaller: Candidate) -> bool:
-    """Whether a model with more terms, these or others, pays where the smaller one explains what was there."""
-    return larger.judgement.is_small and larger.excess - 1.0 <= 0.5 * (smaller.excess - 1.0)
 
 
 def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, evidence: Evidence) -> bool:
@@ -337,7 +334,3 @@ def _ordered(search: Search, best: Candidate) -> Candidate:
     x = np.concatenate([best.fit.x[: best.fit.own], *(best.fit.x[best.fit.place(name)] for name in order)])
     again = fit(search.problem, search.noise, forms, x)
     return Candidate(search.problem, search.noise, again)
-
-
-def _worth_of_each(search: Search, best: Candidate) -> dict[str, Evidence]:
-    return {name: search.evidence(search.without(best, name), best) for name in best.ids}

@@ -102,7 +102,8 @@ class FabricProblem(Problem):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))
-        if context.unloads and not context.pulls_again:
+        again = any(np.any(np.diff(context.path.up[rows]) > 0) for rows in context.path.curves)
+        if context.unloads and not again:  # none was pulled once more after it was let go
             same = {"hysteresis", "mullins", "permanent-set"}
             if gives in STAYS:
                 same.add("grip-slack")

@@ -71,11 +71,11 @@ def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate],
     ]
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
     for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):
-        if explains(before, state) and _all_pay(search, state) and no_worse(state):
+        # Each term helps, most tests left out too.
+        if (
+            explains(before, state)
+            and all(search.evidence(search.without(state, name), state).accepted() for name in state.ids)
+            and no_worse(state)
+        ):
             return state
     return None
-
-
-def _all_pay(search: Search, state: Candidate) -> bool:
-    """Whether each term of a model helps, most tests left out too."""
-    return all(search.evidence(search.without(state, name), state).accepted() for name in state.ids)

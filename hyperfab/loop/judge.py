@@ -47,7 +47,7 @@ class Judgement:
 
 def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> Judgement:
     """Judge the residual of a fit; ``found`` are the signatures of the entries not in the model."""
-    free = _degrees(fit)
+    free, off = _degrees(fit), _off_in_stiffness(fit, noise)
     ratio = fit.chi2 / free
     return Judgement(
         chi2_reduced=ratio,
@@ -55,7 +55,7 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
         p_lack_of_fit=min(
             _by_chance(ratio, free, noise.dof),
             _worst_by_chance(fit, noise.dof, problem.curves),
-            _stiffness_by_chance(fit, noise),
+            float(chdtrc(len(off), off @ off)) if len(off) else 1.0,  # 1 where no two specimens scatter
         ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
         p_greatest_score=greatest_by_chance(found, noise.dof),
@@ -121,12 +121,6 @@ def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
         if not curve.beforehand and curve.stop - curve.start >= FEWEST
     ]
     return min(1.0, len(each) * min(each)) if each else 1.0
-
-
-def _stiffness_by_chance(fit: Fit, noise: Noise) -> float:
-    """Return the probability of specimens as far off in stiffness; 1 where no two scatter."""
-    off = _off_in_stiffness(fit, noise)
-    return float(chdtrc(len(off), off @ off)) if len(off) else 1.0
 
 
 def _degrees(fit: Fit) -> float:

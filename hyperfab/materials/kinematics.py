@@ -66,16 +66,6 @@ class Sheet:
         return np.asarray(2.0 * (self.l2 - self.l3) * (self.l2 + self.l3) / self.l2)
 
     @cached_property
-    def y_1(self) -> Array:
-        """d I2 / d l1."""
-        return np.asarray(self.l2**2 * self.x_1)
-
-    @cached_property
-    def y_2(self) -> Array:
-        """d I2 / d l2."""
-        return np.asarray(self.l1**2 * self.x_2)
-
-    @cached_property
     def x_second(self) -> tuple[Array, Array, Array]:
         """Second derivatives of I1: 11, 12, 22."""
         a, b = self.l3 / self.l1, self.l3 / self.l2

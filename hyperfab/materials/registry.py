@@ -121,7 +121,7 @@ def law_of(name: str, parameters: Mapping[str, float], anisotropic: bool = False
         value = parameters.get(key)
         if value is None:
             raise InputError(f"is missing: {name} has {', '.join(found.names)}", key=key)
-        if not _is_number(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
             raise InputError(f"is not a finite number: {value!r}", key=key)
     complaint = found.refusal(parameters)
     if complaint is not None:
@@ -140,7 +140,3 @@ def stiffness_at_rest(found: Law, parameters: Mapping[str, float]) -> float:
     c, theta = found.split(parameters)
     # A hair beyond rest, where fibres that bear tension only have begun to.
     return float(Material(found, tuple(c), tuple(theta)).uniaxial(1.0 + 1e-4).A)
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)

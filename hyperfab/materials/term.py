@@ -52,7 +52,7 @@ class InvariantTerm:
 
     def stress(self, sheet: Sheet, along: int = 1) -> Array:
         """Return dW/dl1, or dW/dl2 with ``along`` 2, by the chain rule."""
-        # y_1 = l2^2 x_1: what a mode leaves unstressed stays exactly zero.
+        # d I2 / d l1 = l2^2 d I1 / d l1: what a mode leaves unstressed stays exactly zero.
         x, other = (sheet.x_1, sheet.l2) if along == 1 else (sheet.x_2, sheet.l1)
         if isinstance(self.W2, float) and self.W2 == 0.0:
             return np.asarray(self.W1 * x)
@@ -60,7 +60,8 @@ class InvariantTerm:
 
     def membrane(self, sheet: Sheet) -> Membrane:
         """Return the energy with first and second derivatives by the chain rule."""
-        x1, x2, y1, y2 = sheet.x_1, sheet.x_2, sheet.y_1, sheet.y_2
+        x1, x2 = sheet.x_1, sheet.x_2
+        y1, y2 = np.asarray(sheet.l2**2 * x1), np.asarray(sheet.l1**2 * x2)
         x11, x12, x22 = sheet.x_second
         y11, y12, y22 = sheet.y_second
         p1, p2 = self.stress(sheet), self.stress(sheet, along=2)

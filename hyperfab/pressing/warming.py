@@ -62,7 +62,7 @@ class Column:
         """Return the foam's temperature (..., n) [degC] at ``times`` (...) [s] after the closing.
 
         ``share`` says where through the thickness of the foam: 0 at the fabric on the male, 1 at that on the female.
-        Times of each place's own go to ``at_own``, several depths to ``at_depths``.
+        Several depths go to ``at_depths``.
         """
         seconds = np.asarray(times, dtype=float)
         return self.at_depths(seconds.ravel(), np.array([share])).reshape(*seconds.shape, len(self.male))
@@ -70,10 +70,6 @@ class Column:
     def at_depths(self, times: Array, shares: Array) -> Array:
         """Return the temperature (d, t, n) [degC] at depths ``shares`` (d,) of the foam and ``times`` (t,) [s]."""
         return self._at(times[:, None], shares)
-
-    def at_own(self, times: Array) -> Array:
-        """Return the temperature (k, n) [degC] of the foam's middle at ``times`` (k, n) [s] of each place's own."""
-        return np.asarray(self._at(times, np.array([0.5]))[0])
 
     def _at(self, times: Array, shares: Array) -> Array:
         times = np.array(np.broadcast_to(times, (len(times), len(self.male))), order="C")
@@ -93,7 +89,7 @@ class Column:
         rising = 1.0 if target >= self.start else -1.0
 
         def over(when: Array) -> Array:
-            return np.asarray(rising * (self.at_own(when[None])[0] - target))
+            return np.asarray(rising * (self._at(when[None], np.array([0.5]))[0, 0] - target))
 
         low, high = np.zeros(len(self.male)), np.full(len(self.male), dwell)
         before, after = np.full(len(self.male), rising * (self.start - target)), over(high)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,10 +62,6 @@ class HeatMesh:
     def solid(self) -> int:
         """Number of nodes of the elements; loose ones come after them."""
         return self.vertices + len(self.edge_ends)
-
-    def with_loose(self, points: Array) -> HeatMesh:
-        """Return the mesh with nodes (k, 3) [m] more that are in no element: what lies on the mold for a while."""
-        return replace(self, points=np.concatenate([self.points, points]))
 
     def facet_nodes(self, which: NDArray[np.bool_] | Ints, other_side: bool = False) -> Ints:
         """Return the six nodes of facets (f, 6); of the ``other_side`` they are paired with the first ones."""

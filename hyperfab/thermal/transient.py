@@ -109,7 +109,8 @@ def run(
             history.jumps.append(len(history.states) - 1)
             before = state.rate
             state = _after_jump(view.model, state, renewals, history, thermostats)
-            following = min(following, _length_after_jump(view.model, before, state, schedule, following))
+            speed = view.model.speed(state.rate - before)
+            following = min(following, 10.0 * schedule.tolerance / speed) if speed > 0 else following
             if shortcut is not None:
                 view, state = shortcut.turn(history, view, state, following)
         if end is None and target is not None and _never(history, target, model.total_capacity(state.temperature)):
@@ -160,11 +161,6 @@ def _first_length(model: HeatModel, state: State, schedule: Schedule) -> float:
     speed = model.capacity_norm(state.rate / model.lumped_capacity)
     guess = 10.0 * schedule.tolerance / speed if speed > 0 else np.inf
     return min(guess, (LONGEST if schedule.until is None else schedule.until) / 20)
-
-
-def _length_after_jump(model: Model, before: Array, state: State, schedule: Schedule, following: float) -> float:
-    speed = model.speed(state.rate - before)
-    return 10.0 * schedule.tolerance / speed if speed > 0 else following
 
 
 def _fit(length: float, time: float, stop: float | None) -> tuple[float, bool]:

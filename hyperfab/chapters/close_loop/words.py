@@ -90,8 +90,12 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
         told.append(f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more")
     told += [text for text in (caution(found),) if text]
     told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(found)]
+    fit = found.after.fit
+    asked = problem.forbidden(fit.x[: fit.own], fit.terms)
     told += [
-        f"{what} is held at what nature allows: these data ask for more than that" for what in _walls(problem, found)
+        f"{what} is held at what nature allows: these data ask for more than that"
+        for what, off in asked.items()
+        if off > 0.0
     ]
     told += another_unit(problem)
     if document.verdict == "unexplained":
@@ -341,12 +345,6 @@ def _at_bounds(found: Finding) -> list[str]:
             if any(away) and value != constant.value and constant.low < constant.high:
                 told.append(f"{constant.name} of {name} is at its bound {float(value):.4g}")
     return told
-
-
-def _walls(problem: Problem, found: Finding) -> list[str]:
-    fit = found.after.fit
-    asked = problem.forbidden(fit.x[: fit.own], fit.terms)
-    return [what for what, off in asked.items() if off > 0.0]
 
 
 def _doubts(found: Finding) -> list[str]:

@@ -134,19 +134,17 @@ def temperatures(found: Identified) -> list[AtTemperature] | None:
         AtTemperature(
             temperature_degC=temperature,
             parameters=material.parameters,
-            fit=None if figures is None else _at_temperature(figures, sure, found),
+            fit=None
+            if figures is None
+            else FitFigures(
+                **vars(figures), parameters_sd=deviations(sure), uncertainty=uncertainty(sure, found.specimens)
+            ),
         )
         for temperature, material, figures, sure in zip(
             found.temperatures, found.materials, found.per_temperature, found.certainties, strict=True
         )
         if temperature is not None
     ]
-
-
-def _at_temperature(total: Figures, sure: Certainty, found: Identified) -> FitFigures:
-    return FitFigures(
-        **vars(total), parameters_sd=deviations(sure), uncertainty=uncertainty(sure, found.specimens)
-    )  # fmt: skip
 
 
 def deviations(sure: Certainty) -> dict[str, float] | None:

@@ -123,14 +123,15 @@ class FoamFit(WholeFit[Hyperfoam]):
         return curves_csv(told, self.setting.fit_on, ("direction", "stretch_2"))
 
     def table(self) -> tuple[bytes, float] | None:
-        """Return the loading of the tests whose plateau no stable law has as a table, at the law's temperature, and by
-        which share of its peak it was levelled; None where a law has it."""
+        """Return the loading of the tests whose plateau no stable law has as ``compression`` of foam.toml reads it, at
+        the law's temperature, and by which share of its peak it was levelled; None where a law has it."""
         if self.flat is None:
             return None
         own = [c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[self.reference], None)]
         mode = self.flat.mode if any(c.mode == self.flat.mode for c in own) else own[0].mode
         strain, stress, levelled = table_of(own, mode)
-        return table_csv(strain, stress), levelled
+        rows = [(0.0, 0.0), *zip(strain.tolist(), stress.tolist(), strict=True)]
+        return csv_bytes(["strain [-]", "stress [MPa]"], rows), levelled
 
     def picture(self) -> bytes:
         """Return the PNG of the fit, a panel a test; in simple shear the stretch is the shear strain."""
@@ -304,12 +305,6 @@ def _steps(strain: Array, stress: Array) -> tuple[Array, Array]:
     known = count > 0
     own, mean = (np.bincount(row, each, _ROWS)[known] / count[known] for each in (strain, stress))
     return own, mean
-
-
-def table_csv(strain: Array, stress: Array) -> bytes:
-    """Return the table as ``compression`` of foam.toml reads it."""
-    rows = [(0.0, 0.0), *zip(strain.tolist(), stress.tolist(), strict=True)]
-    return csv_bytes(["strain [-]", "stress [MPa]"], rows)
 
 
 def _loading(curve: TestCurve) -> TestCurve:

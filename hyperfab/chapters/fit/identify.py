@@ -80,10 +80,6 @@ class Identified:
         """The constants at the reference temperature."""
         return self.materials[self.reference]
 
-    def material_at(self, temperature: float | None) -> Material:
-        """Return the constants of the nearest temperature that was fitted."""
-        return self.materials[nearest(self.temperatures, temperature, self.reference)]
-
 
 def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identified | str:
     """Return the best constants of ``law`` for ``curves``, or why there are none."""
@@ -194,7 +190,7 @@ def _rows(used: Sequence[TestCurve], temperatures: Sequence[float | None], setti
 
 def predict(found: Identified, curve: TestCurve) -> tuple[Array, Array | None]:
     """Return the stress [MPa] the constants give at the rows of a curve, along both directions where both are known."""
-    material = found.material_at(curve.temperature)
+    material = found.materials[nearest(found.temperatures, curve.temperature, found.reference)]
     if _axis(found.law, curve) == 2 and found.along != "weft":
         material = material.turned()
     elif curve.mode == "biaxial-general" and curve.direction_name is None and found.along == "weft":

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import near_zero
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
-from hyperfab.chapters.job import refuse_twice
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError, UsageError
@@ -90,7 +89,9 @@ def read_all(
     names = [name for group in files.values() for name in group]
     if not any(files.get(test) for test in ("", "uniaxial", "shear", "biaxial")):
         raise UsageError("no test to fit; give one as FILE, or with --uniaxial, --shear or --biaxial")
-    refuse_twice(names)
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise UsageError(f"{twice[0]} is given twice; its rows would count double")
     found = []
     for test, group in files.items():
         for name in group:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -130,7 +130,8 @@ def pieces_of(
         return Pieces(section, piece, Switched(piece, on=True), facets, mesh.solid, document.run.tolerance)
 
     placing.covered = found.mask
-    return mesh.with_loose(above.reshape(-1, 3)), placed
+    # Its nodes are in no element: it lies on the mold for a while.
+    return replace(mesh, points=np.concatenate([mesh.points, above.reshape(-1, 3)])), placed
 
 
 def pieces_made(pieces: Pieces, history: History) -> list[PieceResult]:

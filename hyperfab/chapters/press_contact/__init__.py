@@ -11,7 +11,7 @@ from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import nearby
 from hyperfab.chapters.press_contact.design import compensate, design_of
-from hyperfab.chapters.press_contact.fields import curve_csv, formed_picture, grid_of, picture_of
+from hyperfab.chapters.press_contact.fields import formed_picture, grid_of, picture_of
 from hyperfab.chapters.press_contact.formed import Wanted, formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
 from hyperfab.chapters.press_contact.heat import file_of
@@ -29,14 +29,15 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.press import PressDocument
 from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError, NotConverged, UsageError
+from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.mold import PressFrame
 
 #: Stress with held sides over that with free ones from which on it is told as a guess.
 _GUESSED = 10.0
-
-
+#: The columns of the curve.
+_CURVE = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 #: What may be written beside the document.
 SIBLINGS = (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.stl")
 
@@ -89,7 +90,7 @@ def run(job: Job, case: PressCase) -> int:
         advance(0.8, "following the press from the first touch")
         result.force_stroke = [(float(row[0]), float(row[1])) for row in told.curve]
         if out.wants_files:
-            out.add(".csv", curve_csv(told.curve))
+            out.add(".csv", csv_bytes(_CURVE, list(told.curve)))
             if told.formed is not None:
                 out.add(".formed.png", formed_picture(told))
         if stl:

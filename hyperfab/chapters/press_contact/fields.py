@@ -13,10 +13,7 @@ from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.documents.press import PressDocument
 from hyperfab.io import vtu
-from hyperfab.io.csv_write import csv_bytes
 from hyperfab.report.bands import banded
-
-_CURVE_HEADER = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 
 
 def grid_of(told: PressResult, sure: Mapping[str, Array] = {}) -> bytes:
@@ -76,11 +73,6 @@ def _formed_fields(told: PressResult) -> dict[str, Array]:
     if told.wanted is not None:
         found["off_wanted_mm"] = told.formed.thickness - told.wanted.at(told.closed.cold)
     return found
-
-
-def curve_csv(curve: Array) -> bytes:
-    """Return the force-stroke curve as CSV."""
-    return csv_bytes(_CURVE_HEADER, list(curve))
 
 
 def picture_of(told: PressResult, document: PressDocument, sure: Sure) -> bytes:

@@ -311,9 +311,6 @@ class Carried:
         """Return below which difference two values of a figure are one."""
         return max(_SLIGHT * abs(self.value[name]), 0.0 if self.near is None else self.near.blur(name))
 
-    def _counts(self, name: str, band: propagation.Band) -> bool:
-        return band.sd > _NOTHING * abs(self.value[name])
-
     def _told(
         self,
         method: Any,
@@ -335,7 +332,7 @@ class Carried:
                     sensitivities=dict(zip(names, map(float, slopes[name]), strict=True)) if name in slopes else None,
                 )
                 for name, band in bands.items()
-                if self._counts(name, band)
+                if band.sd > _NOTHING * abs(self.value[name])
             },
             left_out=left_out,
             **more,

@@ -140,9 +140,9 @@ def _fit(problem: Problem, u: Array, c: Array) -> Fit:
     theta = [float(value) for value in problem.theta(list(u))]
     with np.errstate(all="ignore"):
         A = problem.design(u)
-        slopes = [
-            (slope @ c) / derivative
-            for slope, derivative in zip(problem.slopes(u), _value_slopes(problem, u), strict=True)
+        slopes = [  # by theta: what the design changes by with u, over d theta / d u
+            (slope @ c) / float(np.imag(axis.value(value + 1e-40j)) / 1e-40)
+            for slope, axis, value in zip(problem.slopes(u), problem.axes, u, strict=True)
         ]
     residual = problem.b - A @ c
     jacobian = np.column_stack([A, *slopes]) if slopes else A
@@ -158,11 +158,6 @@ def _fit(problem: Problem, u: Array, c: Array) -> Fit:
         if min(value - axis.low, axis.high - value) <= 1e-9 * (axis.high - axis.low)
     )
     return Fit(problem, materials, float(residual @ residual), residual, jacobian, at_bound)
-
-
-def _value_slopes(problem: Problem, u: Array) -> list[float]:
-    """d theta / d u of each free nonlinear constant."""
-    return [float(np.imag(axis.value(value + 1e-40j)) / 1e-40) for axis, value in zip(problem.axes, u, strict=True)]
 
 
 def _with_held(problem: Problem, free: Array) -> list[float]:

@@ -23,7 +23,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -129,12 +128,8 @@ class Orthotropic:
         """Return the stress (n, 8, 3) of each linear constant, for other nonlinear constants where given."""
         C = np.ascontiguousarray(strain, dtype=np.float64)
         found = np.empty((len(C), len(LINEAR), 3))
-        _stresses(C, np.ascontiguousarray(self._theta if theta is None else theta), found)
+        _stresses(C, np.ascontiguousarray(self.vector[len(LINEAR) :] if theta is None else theta), found)
         return found
-
-    @cached_property
-    def _theta(self) -> Array:
-        return self.vector[len(LINEAR) :]
 
 
 @kernel

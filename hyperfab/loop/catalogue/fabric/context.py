@@ -47,16 +47,6 @@ class DataContext:
         return bool(np.any(self.path.up < 0))
 
     @property
-    def pulls_again(self) -> bool:
-        """Whether any specimen was pulled once more after it was let go."""
-        return any(np.any(np.diff(self.path.up[rows]) > 0) for rows in self.path.curves)
-
-    @property
-    def shows_rate(self) -> bool:
-        """Whether specimens went at more than one rate, the way back and a hold included."""
-        return self.unloads or self.several_rates
-
-    @property
     def several_rates(self) -> bool:
         """Whether specimens were pulled at rates further apart than one pace is kept, or held."""
         return self._tell_time(self.path.curves)

@@ -35,14 +35,11 @@ def _head(*names: str) -> str:
     return "$#" + "".join(name.rjust(_WIDTH) for name in names)[2:]
 
 
-def _poisson(material: Material, settings: Settings) -> float:
-    return _POISSON if settings.bulk_modulus is None else poisson(material, settings.bulk_modulus)
-
-
 def _first(material: Material, settings: Settings) -> list[str]:
+    ratio = _POISSON if settings.bulk_modulus is None else poisson(material, settings.bulk_modulus)
     return [
         _head("mid", "ro", "pr", "n", "nv", "g", "sigf", "ref"),
-        _row(str(settings.number), settings.density, _poisson(material, settings), "0", "0", "0", "0", "0"),
+        _row(str(settings.number), settings.density, ratio, "0", "0", "0", "0", "0"),
     ]
 
 

@@ -99,17 +99,13 @@ def _fits(parts: dict[str, Any]) -> Table:
                     number(figures.get("E2")),
                 ]
             )
+    carrier = "the constants written here" if list(parts) == [""] else "the constants of its own direction"
     return Table(
-        f"How well each test is carried by {_carrier(parts)}: the relative rms is the root mean square of "
+        f"How well each test is carried by {carrier}: the relative rms is the root mean square of "
         "1 - model/measured, E2 the sum of its squares, NRMSE the rms error over the largest stress",
         ["test", "use", "readings", "relative rms", "NRMSE", "E2"],
         rows,
     )
-
-
-def _carrier(parts: dict[str, Any]) -> str:
-    """Return whose constants were judged: the ones that are written, each direction by its own."""
-    return "the constants written here" if list(parts) == [""] else "the constants of its own direction"
 
 
 def _curves(source: Source) -> Iterator[Chart]:
