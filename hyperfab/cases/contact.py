@@ -66,7 +66,7 @@ class ContactCase(Case):
     )  # fmt: skip
     friction: float | str = setting(
         OrName(Amount("dimensionless", "0.3, a coefficient", least=0.0, most=2.0), (STICK,)), "MU",
-        "Coulomb coefficient, or stick.", "0", key="friction_coefficient",
+        "Coulomb coefficient, or stick.", "0", called="friction_coefficient",
     )  # fmt: skip
     temperature: float | None = amount(
         "temperature",

@@ -76,27 +76,17 @@ def settings_of(cls: type[Any]) -> tuple[Setting, ...]:
     return tuple(found)
 
 
-def setting(
-    kind: Kind,
-    metavar: str,
-    help: str,
-    default: Any = None,
-    *,
-    required: bool = False,
-    argument: bool = False,
-    over: tuple[str, ...] = (),
-    key: str | None = None,
-    option: str = "",
-    kept: bool = True,
-) -> Any:
-    """Return a field of a case; ``default`` as people write it, None where nothing stands for it."""
-    own = Setting(kind, metavar, help, default, required, argument, over, key, kept, option=option)
-    if required:
+def setting(kind: Kind, metavar: str, help: str, default: Any = None, **more: Any) -> Any:
+    """Return a field of a case; ``default`` as people write it, None where nothing stands for it.
+
+    ``more`` is what else a ``Setting`` says.
+    """
+    own = Setting(kind, metavar, help, default, **more)
+    if own.required:
         return dataclasses.field(metadata={_SETTING: own})
     if kind.repeated:
-        return dataclasses.field(default_factory=lambda: kind.read(default or [], option), metadata={_SETTING: own})
-    value = None if default is None else kind.read(default, option)
-    return dataclasses.field(default=value, metadata={_SETTING: own})
+        return dataclasses.field(default_factory=lambda: own.default, metadata={_SETTING: own})
+    return dataclasses.field(default=own.default, metadata={_SETTING: own})
 
 
 def amount(

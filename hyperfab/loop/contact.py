@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.contact import DataContext, entries
 from hyperfab.loop.emulator import Emulator
-from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
+from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.materials.effects.thermal_softening import factor
@@ -251,14 +251,12 @@ def contact_problem(
     """Return the problem of force-depth files; each is cut into segments, which are left out in turn."""
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in sheet.names]
     constants.append(Constant("depth.zero", 0.0, -5.0, 5.0, ZERO_SD, ZERO_SD))
-    priors = sure(constants, fixed)
     curves, row = [], 0
     for one in files:
         count = max(1, min(4, len(one.depth) // _SEGMENT))
         for part in np.array_split(np.arange(len(one.depth)), count):
             curves.append(Curve(one.name, row + int(part[0]), row + int(part[-1]) + 1, one.depth[part], setup=""))
         row += len(one.depth)
-    curves.append(known_curve(priors, row, 1))
     known_T = [one.temperature for one in files if one.temperature is not None]
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)
     axes = {axis.name: axis for axis in sheet.emulator.axes}
@@ -273,20 +271,18 @@ def contact_problem(
         pull=float(at_rest[-1]),
         yields=1.0 / max(float(at_rest[len(sheet.knots) - 1]), 1e-12),
     )
-    measured = np.concatenate([*(one.force for one in files), np.zeros(curves[-1].stop - row)])
-    depth = np.concatenate([one.depth for one in files])
-    states = {"depth_mm": depth, "force_N": measured[:row]}
+    depth, force = (np.concatenate(rows) for rows in zip(*((one.depth, one.force) for one in files), strict=True))
+    states = {"depth_mm": depth, "force_N": force}
     if known_T and len(known_T) == len(files):
         states["temperature_degC"] = np.concatenate(known_T)
-    return ContactProblem(
-        measured=measured,
-        curves=tuple(curves),
-        own=without_prior(priors),
+    return ContactProblem.posed(
+        files,
+        curves,
+        constants,
+        fixed,
         effects=entries(context),
         states=states,
         units=("N",),
         sheet=sheet,
-        files=tuple(files),
-        priors=priors,
         reference_degC=reference_degC,
     )

@@ -15,7 +15,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue.drape import DataContext, entries
 from hyperfab.loop.emulator import Axis
-from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
+from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_cloud, patches
@@ -227,14 +227,12 @@ def drape_problem(
     parts = [part for one in files for part in one.parts()]
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
     constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
-    priors = sure(constants, fixed)
     curves, row = [], 0
     for number, part in enumerate(parts):
         for axis in "xyz":
             name, count = f"{part.name}, patch {number + 1}, {axis}", len(part.flat)
             curves.append(Curve(name, row, row + count, np.arange(count, dtype=np.float64)))
             row += count
-    curves.append(known_curve(priors, row, 1))
     places = [at_markers(draped, part.flat) for part in parts]
     axes = draped.axes
     context = DataContext(
@@ -247,11 +245,11 @@ def drape_problem(
     def state(values: Sequence[Array]) -> Array:
         return np.concatenate([np.tile(one, 3) for one in values])
 
-    measured = np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)])
-    return DrapeProblem(
-        measured=measured,
-        curves=tuple(curves),
-        own=without_prior(priors),
+    return DrapeProblem.posed(
+        parts,
+        curves,
+        constants,
+        fixed,
         effects=entries(context),
         states={
             "x0_mm": state([part.flat[:, 0] for part in parts]),
@@ -262,8 +260,6 @@ def drape_problem(
         },
         units=("mm",),
         draped=draped,
-        files=tuple(parts),
-        priors=priors,
         base_at=tuple(base for base, _ in places),
         weights=tuple(weights for _, weights in places),
     )

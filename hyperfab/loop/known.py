@@ -56,6 +56,31 @@ class FilesProblem(Problem, Generic[F]):
     further: tuple[F, ...] = field(default=(), kw_only=True)
     scale: tuple[float, ...] = field(default=(), kw_only=True)
 
+    @classmethod
+    def posed(
+        cls, parts: Sequence[F], curves: Sequence[Curve], constants: Sequence[Constant], fixed: Sequence[str], **of: Any
+    ) -> Self:
+        """Return the problem of ``parts`` whose rows ``curves`` hold, and what is known of ``constants``, some of them
+        ``fixed``, as a curve of its own; the fit sees them without a prior, for which the rows speak."""
+        priors, rows = sure(constants, fixed), curves[-1].stop
+        count = sum(bool(np.isfinite(one.prior_sd)) for one in priors)
+        known = Curve(
+            "what is known of the constants",
+            rows,
+            rows + count,
+            np.arange(count, dtype=np.float64),
+            channel=max(curve.channel for curve in curves) + 1,
+            beforehand=True,
+        )
+        return cls(
+            measured=np.concatenate([*(one.values for one in parts), np.zeros(count)]),
+            curves=(*curves, known),
+            own=tuple(replace(one, prior_sd=np.inf) for one in priors),
+            files=tuple(parts),
+            priors=priors,
+            **of,
+        )
+
     @abstractmethod
     def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Sequence[Array]:
         """Return what is read of each file, then of each further reading."""
@@ -106,21 +131,3 @@ def sure(constants: Sequence[Constant], fixed: Sequence[str]) -> tuple[Constant,
         low, high = max(one.low, one.value - reach), min(one.high, one.value + reach)
         found.append(replace(one, low=low, high=high, prior_sd=one.prior_sd if reach else np.inf))
     return tuple(found)
-
-
-def without_prior(constants: Sequence[Constant]) -> tuple[Constant, ...]:
-    """Return the constants for the fit: the rows speak for the priors."""
-    return tuple(replace(one, prior_sd=np.inf) for one in constants)
-
-
-def known_curve(constants: Sequence[Constant], start: int, channel: int) -> Curve:
-    """Return the rows of what is known as a curve of its own, from row ``start`` on."""
-    count = sum(bool(np.isfinite(one.prior_sd)) for one in constants)
-    return Curve(
-        "what is known of the constants",
-        start,
-        start + count,
-        np.arange(count, dtype=np.float64),
-        channel=channel,
-        beforehand=True,
-    )

@@ -11,7 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.loop.catalogue.press import DataContext, FoamContext, PressEffect, entries
-from hyperfab.loop.known import FilesProblem, known_curve, sure, without_prior
+from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.press_reading import THERE, UNITS, Changes, Kind, Reading, Setting, Warmth, variation
 from hyperfab.loop.press_set import SetPress, Summed
 from hyperfab.loop.press_table import Moved, PressTable, loads
@@ -182,7 +182,6 @@ def press_problem(
     if "force" in kinds:
         constants.append(Constant("stroke.zero", 0.0, -1.0, 1.0, 0.02, STROKE_SD))
     constants.append(Constant("foam.thickness", 1.0, 0.5, 2.0, 0.02, THICKNESS_SD))
-    priors = sure(constants, fixed)
     curves, row = [], 0
     for number, part in enumerate(parts):
         size = len(part.values)
@@ -190,7 +189,6 @@ def press_problem(
         name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
-    curves.append(known_curve(priors, row, len(kinds)))
     travel = max(float(summed.first_touch - setting.opening), 0.2)
     context = DataContext(
         half_mm=setting.half_mm,
@@ -208,10 +206,11 @@ def press_problem(
         forced=setting.force is not None,
     )
     first = [part for part in parts if part.kind == kinds[0]]
-    return PressProblem(
-        measured=np.concatenate([*(part.values for part in parts), np.zeros(curves[-1].stop - row)]),
-        curves=tuple(curves),
-        own=without_prior(priors),
+    return PressProblem.posed(
+        parts,
+        curves,
+        constants,
+        fixed,
         effects=entries(context),
         states=_states(first),
         units=tuple(UNITS[kind] for kind in kinds),
@@ -220,8 +219,6 @@ def press_problem(
         places=whole,
         setting=setting,
         foam=foam,
-        files=tuple(parts),
-        priors=priors,
     )
 
 
