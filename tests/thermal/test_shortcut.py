@@ -13,8 +13,7 @@ from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History, Ledger, curve
 from hyperfab.thermal.lumping import Alike, groups
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.projected import ProjectedMedium, ProjectedModel
-from hyperfab.thermal.projected_condition import Face
+from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel
 from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import orthonormal
 from hyperfab.thermal.shortcut import View, shortcut_for
