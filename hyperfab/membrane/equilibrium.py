@@ -9,6 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.contact import (
     STIFF,
+    Coulomb,
     Frictionless,
     Grip,
     Memory,
@@ -18,7 +19,6 @@ from hyperfab.membrane.contact import (
     mounted,
     remembered,
 )
-from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.punch import Nearness, Punch
 from hyperfab.membrane.sheet import Assembled, Sheet
 from hyperfab.numerics.linear import Factor, SingularMatrixError

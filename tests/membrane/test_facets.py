@@ -10,8 +10,8 @@ import trimesh
 
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
+from hyperfab.membrane.contact import Coulomb
 from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut
 from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sphere_contact import SphereTest, rough_path, run

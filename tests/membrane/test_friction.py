@@ -10,8 +10,7 @@ import pytest
 
 from hyperfab.materials import bind
 from hyperfab.membrane import friction_path, outline
-from hyperfab.membrane.contact import Frictionless, Memory
-from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.contact import Coulomb, Frictionless, Memory, Stick
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start, follow

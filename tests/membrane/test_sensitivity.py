@@ -89,7 +89,7 @@ def test_force_is_the_sum_of_each_constant_times_its_sensitivity(
 
 
 def test_an_equilibrium_with_friction_has_no_neighbours(solved: Solved) -> None:
-    from hyperfab.membrane.friction import Coulomb
+    from hyperfab.membrane.contact import Coulomb
 
     rubbing = Press(solved.press.sheet, solved.press.punch, Coulomb(0.3))
     with pytest.raises(ValueError, match="friction"):

@@ -34,8 +34,8 @@ from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import emulate
 from hyperfab.loop.engine import Finding
 from hyperfab.materials.registry import bind
+from hyperfab.membrane.contact import Coulomb, Stick
 from hyperfab.membrane.equilibrium import NoEquilibriumError, State
-from hyperfab.membrane.friction import Coulomb, Stick
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.sheet import Sheet as SheetAlone
 from hyperfab.membrane.sphere_contact import SphereTest, rough_path

@@ -10,8 +10,8 @@ from hyperfab.chapters.fabric_contact.outline import is_file
 from hyperfab.chapters.fabric_contact.setup import Setup
 from hyperfab.chapters.sheet import Fabric
 from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, SetupPart, StabilityPart
+from hyperfab.membrane.contact import Coulomb
 from hyperfab.membrane.contact_edge import contact_edge
-from hyperfab.membrane.friction import Coulomb
 from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
 from hyperfab.membrane.path import Limit
 from hyperfab.membrane.sphere_contact import Outcome, Solved

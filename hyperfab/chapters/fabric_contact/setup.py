@@ -13,8 +13,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import ask_unit_by_sheet, read_molds
 from hyperfab.chapters.sheet import Fabric
 from hyperfab.errors import InputError, UsageError
-from hyperfab.membrane.contact import Frictionless, Tangential
-from hyperfab.membrane.friction import Coulomb, Stick
+from hyperfab.membrane.contact import Coulomb, Frictionless, Stick, Tangential
 from hyperfab.membrane.outline import Disc, Outline, Polygon, Square
 from hyperfab.membrane.punch import Facets
 from hyperfab.membrane.sphere_contact import SphereTest
