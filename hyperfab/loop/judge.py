@@ -169,54 +169,55 @@ def correlation_time(residual: Array, curves: Sequence[Curve]) -> float:
 
 def common_bic(fits: Sequence[Fit], problem: Problem, noise: Noise) -> Mapping[tuple[str, ...], float]:
     """Return BIC of several models, by their effects, on one scale: that of the best fit among them."""
-    level = Level.of(fits, noise)
-    time = correlation_time(level.best.residual, problem.curves)
-    count = max(len(problem.measured) / time, 3.0)
-    return {tuple(one.forms): misfit(one, level, problem, noise, time) + price(one, count) for one in fits}
+    level = Level.of(fits, problem, noise)
+    return {tuple(one.forms): level.misfit(one) + level.price(one) for one in fits}
 
 
 @dataclass(frozen=True)
 class Level:
-    """What counts as noise where fits are compared: what the ``best`` of them leaves, in ``stiffness`` (chi-squared)
-    the least that one of them does, which need not be the one that meets most readings."""
+    """What counts as noise where fits are compared: what the ``best`` of them leaves, ``time`` rows of it as one, in
+    ``stiffness`` (chi-squared) the least that one of them does, which need not be the one that meets most readings."""
 
+    problem: Problem
+    noise: Noise
     best: Fit
+    time: float
     stiffness: float
 
     @classmethod
-    def of(cls, fits: Sequence[Fit], noise: Noise) -> Level:
+    def of(cls, fits: Sequence[Fit], problem: Problem, noise: Noise) -> Level:
         """Return the level of several fits in a noise."""
         least = min(_of_stiffness(one, noise) for one in fits) if noise.gain_sd else 0.0
-        return cls(min(fits, key=lambda one: one.chi2), least)
+        best = min(fits, key=lambda one: one.chi2)
+        return cls(problem, noise, best, correlation_time(best.residual, problem.curves), least)
 
+    def misfit(self, fitted: Fit) -> float:
+        """Return minus twice the logarithm of likelihood, as chi-squared, where ``time`` readings count as one.
 
-def misfit(fitted: Fit, level: Level, problem: Problem, noise: Noise, time: float) -> float:
-    """Return minus twice the logarithm of likelihood, as chi-squared, where ``time`` readings count as one.
+        But for how far specimens are off in stiffness: each tells that by itself.
+        """
+        best, channel = self.best, self.problem.channel
+        alike = scaled_chi2(fitted, best, channel) + prior_misfit(fitted, best, self.problem)
+        if not self.noise.gain_sd:
+            return alike / self.time
+        off = _of_stiffness(fitted, self.noise)
+        alike -= off / max(float(np.mean(best.residual[channel == 0] ** 2)), 1.0)
+        return alike / self.time + off / max(self.stiffness / len(self.noise.groups), 1.0)
 
-    But for how far specimens are off in stiffness: each tells that by itself.
-    """
-    best = level.best
-    alike = scaled_chi2(fitted, best, problem.channel) + prior_misfit(fitted, best, problem)
-    if not noise.gain_sd:
-        return alike / time
-    off, stress = _of_stiffness(fitted, noise), problem.channel == 0
-    alike -= off / max(float(np.mean(best.residual[stress] ** 2)), 1.0)
-    return alike / time + off / max(level.stiffness / len(noise.groups), 1.0)
+    def price(self, fitted: Fit) -> float:
+        """Return what the constants cost in BIC: the logarithm of the readings each is known from.
+
+        That are all that tell by themselves, or of a constant of each specimen its own.
+        """
+        count = max(len(self.best.residual) / self.time, 3.0)
+        own = [len(form.each) for form in fitted.forms.values() if form.of_each]
+        return float(len(fitted.x) * np.log(count) - sum(many * np.log(min(many, count)) for many in own))
 
 
 def _of_stiffness(fitted: Fit, noise: Noise) -> float:
     """Return the part of chi-squared that is as another stiffness of specimens would be."""
     off = noise.at(fitted.predicted).along_stiffness(fitted.residual)
     return float(off @ off)
-
-
-def price(fitted: Fit, count: float) -> float:
-    """Return what the constants cost in BIC: the logarithm of the readings each is known from.
-
-    That are all, ``count`` of them that tell by themselves, or of a constant of each specimen its own.
-    """
-    own = [len(form.each) for form in fitted.forms.values() if form.of_each]
-    return float(len(fitted.x) * np.log(count) - sum(many * np.log(min(many, count)) for many in own))
 
 
 def prior_misfit(fitted: Fit, best: Fit, problem: Problem) -> float:

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import Help, help_of
-from hyperfab.loop.judge import Level, correlation_time, misfit, price, structured_of_each
+from hyperfab.loop.judge import Level, correlation_time, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at
@@ -202,9 +202,8 @@ class Search:
             if not richer:
                 break
             found = min(richer, key=lambda one: one.chi2)
-            time = correlation_time(found.residual, self.problem.curves)
-            level = Level.of([found], self.noise)
-            gain = self._misfit(best, level, time) - self._misfit(found, level, time)
+            level = Level.of([found], self.problem, self.noise)
+            gain = level.misfit(best) - level.misfit(found)
             if gain < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:
                 break
             best = found
@@ -229,17 +228,8 @@ class Search:
 
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
-        level = Level.of(fits, self.noise)
-        time = correlation_time(level.best.residual, self.problem.curves)
-        count = max(len(level.best.residual) / time, 3.0)
-
-        def bic(one: Fit) -> float:
-            return self._misfit(one, level, time) + price(one, count) + len(one.x) * MARGIN / 4.0
-
-        return min(fits, key=bic)
-
-    def _misfit(self, fitted: Fit, level: Level, time: float) -> float:
-        return misfit(fitted, level, self.problem, self.noise, time)
+        level = Level.of(fits, self.problem, self.noise)
+        return min(fits, key=lambda one: level.misfit(one) + level.price(one) + len(one.x) * MARGIN / 4.0)
 
     def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
         forms = {**parent.forms, effect.id: form}
@@ -272,17 +262,14 @@ class Search:
         if not smaller.ids and self._own_optimum is not None:
             smaller = self._own_optimum
         old, new = smaller.fit, larger.fit
-        time = correlation_time(new.residual, self.problem.curves)
-        level = Level.of([new], self.noise)
-        gain = self._misfit(old, level, time) - self._misfit(new, level, time)
+        level = Level.of([new], self.problem, self.noise)
         gone = old.chi2 - new.chi2
         total = max(old.chi2 - len(old.residual), gone, 1e-9)
-        count = max(len(new.residual) / time, 3.0)
         known = [np.arange(c.start, c.stop) for c in self.problem.curves if c.beforehand]
         back = sum(float(np.sum(old.residual[rows] ** 2 - new.residual[rows] ** 2)) for rows in known)
         stiffness = self._share_of_stiffness(old, new)
         return Evidence(
-            delta_bic=gain + price(old, count) - price(new, count),
+            delta_bic=level.misfit(old) - level.misfit(new) + level.price(old) - level.price(new),
             variance_share=max(gone / total, stiffness),
             help=self._help(smaller, larger, of_stiffness=stiffness >= SHARE),
             certain=self._certain(smaller, larger),

@@ -161,7 +161,7 @@ def check(before: Posed, terms: dict[str, tuple[str, np.ndarray]], tmp_path: Pat
     assert closing.tilt == pytest.approx(tilt, rel=1e-9, abs=1e-15)
     offset = np.array(before.told.closed.case.offset) + changes.offset
     assert closing.offset == pytest.approx(offset, rel=1e-9, abs=1e-15)
-    for more, was, grown in zip(changes.strain, before.told.grown, after.told.grown, strict=True):
+    for more, was, grown in zip(changes.strain, before.told.model.grown, after.told.model.grown, strict=True):
         assert grown.strain == pytest.approx(was.strain + more, rel=1e-9, abs=1e-15)
     # And so is what the sandwich bears at the end of the dwell, and what stays of it.
     left = changes.factor(replace(before.problem.files[0], time_s=np.array([600.0])))

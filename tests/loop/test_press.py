@@ -165,7 +165,7 @@ def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_
     assert warmth is not None
     assert warmth.law is not None
     assert warmth.law.stress(0.3) == pytest.approx(0.3 * 0.075)
-    hot, here = ([float(one.strain(t)) for one in told.expansions] for t in (200.0, 110.0))
+    hot, here = ([float(one.strain(t)) for one in told.model.files.expansions] for t in (200.0, 110.0))
     assert warmth.grown == pytest.approx(np.array(here) - hot)
     assert next(e for e in problem.effects if e.id == "foam-softening").not_sought
 

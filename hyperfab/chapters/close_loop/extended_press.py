@@ -109,7 +109,7 @@ def _along_axes(
 def _shrink(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the share of the thickness that is lost, the document's and then the found one of the rest."""
     section = dict(draft.foam.get("shrinkage", {}))
-    lost = 1.0 - (1.0 - draft.told.foam.lost) * (1.0 - at["amount"])
+    lost = 1.0 - (1.0 - draft.told.model.foam.lost) * (1.0 - at["amount"])
     if "time" in section:
         dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
         lost /= -float(np.expm1(-dwell / time))
@@ -155,7 +155,7 @@ def _soften(draft: _Draft, at: Mapping[str, float]) -> None:
 def _set(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the share of the strain that stays: in place of ``recovery`` where the document has that."""
     foam, told = draft.foam, draft.told
-    back, more = told.foam.recovery, at.get("share_more", 0.0)
+    back, more = told.model.foam.recovery, at.get("share_more", 0.0)
     given = told.model.files.document.set
     share = at["share"] + (1.0 - back if back is not None else given if isinstance(given, float) else 0.0)
     least = min(max(share, 0.0), 1.0)
@@ -225,17 +225,17 @@ def _grow(draft: _Draft, at: Mapping[str, float]) -> None:
         _shrink(draft, {"amount": 0.0})
     more = (at["strain"], at["strain"] + at.get("female_more", 0.0))
     section = dict(foam.get("expansion", {}))
-    uneven = not all(grown.even for grown in told.grown)
+    uneven = not all(grown.even for grown in told.model.grown)
     if uneven:
         draft.notes.append(
             "thermal-expansion: the fields of temperature give way to even growth by their means and what was found"
         )
-    warm = told.grown[0].temperature
-    if abs(warm - told.reference) < 1.0 or abs(warm - told.grown[1].temperature) > 1e-6 or uneven:
+    warm = told.model.grown[0].temperature
+    if abs(warm - told.reference) < 1.0 or abs(warm - told.model.grown[1].temperature) > 1e-6 or uneven:
         coefficient = float(np.interp(told.reference, *ALUMINIUM))
-        warm = told.reference + (told.grown[0].strain + more[0]) / coefficient
+        warm = told.reference + (told.model.grown[0].strain + more[0]) / coefficient
         draft.case = replace(draft.case, temperature=warm, male_heat=None, female_heat=None)
-    for side, grown, extra in zip(("male", "female"), told.grown, more, strict=True):
+    for side, grown, extra in zip(("male", "female"), told.model.grown, more, strict=True):
         value = (grown.strain + extra) / (warm - told.reference)
         if value < 0.0:
             draft.notes.append(f"thermal-expansion: the {side} mold would shrink; its coefficient is taken as 0")

@@ -205,7 +205,7 @@ def setting_of(told: PressResult) -> Setting:
     if case.zero_hot:
         at = float(closed.datum.at[2])
         rate = (at - case.male.mount, case.female.mount - at)
-    fabrics, warm = told.model.files.fabrics, tuple(grown.temperature for grown in told.grown)
+    fabrics, warm = told.model.files.fabrics, tuple(grown.temperature for grown in told.model.grown)
     mean = 0.5 * (warm[0] + warm[1])
     return Setting(
         opening=start,
@@ -213,7 +213,7 @@ def setting_of(told: PressResult) -> Setting:
         compliance=compliance,
         zero_rate=rate,
         floating=case.floating,
-        thickness=told.foam.thickness,
+        thickness=told.model.foam.thickness,
         fabric=(fabrics.below, fabrics.above),
         tilt=case.tilt,
         half_mm=0.5 * float(np.ptp(case.male.vertices[:, :2], axis=0).max()),
@@ -226,7 +226,7 @@ def _warmth(told: PressResult, mean: float, temperature: float) -> Warmth:
     """Return the press at another mean temperature [degC] of its molds than the model's, both changed alike."""
     male, female = (
         float(expansion.strain(grown.temperature + temperature - mean) - expansion.strain(grown.temperature))
-        for expansion, grown in zip(told.expansions, told.grown, strict=True)
+        for expansion, grown in zip(told.model.files.expansions, told.model.grown, strict=True)
     )
     case, document = told.model.case, told.model.files.document
     if _foam_of(told).law_degC is not None:
@@ -238,7 +238,7 @@ def _warmth(told: PressResult, mean: float, temperature: float) -> Warmth:
 
 def _in_press(told: PressResult, setting: Setting, reading: Reading) -> Reading:
     """Return a reading with what the molds have grown at its temperature; thickness after opening is ``formed``."""
-    if reading.kind == "thickness" and told.foam.recovery is not None and told.foam.recovery < 1.0:
+    if reading.kind == "thickness" and told.model.foam.recovery is not None and told.model.foam.recovery < 1.0:
         reading = replace(reading, kind="formed")
     if reading.kind == "mounting" and reading.places is not None:
         return replace(reading, places=told.frame.inward(reading.places))
@@ -251,7 +251,7 @@ def _stays(told: PressResult) -> Array | float:
     """Return the share of the foam's strain that stays as the model has it, at the front; 0 where it says nothing."""
     if told.formed is not None:
         return told.formed.share
-    given, back = told.model.files.document.set, told.foam.recovery
+    given, back = told.model.files.document.set, told.model.foam.recovery
     return float(given) if isinstance(given, float) else 0.0 if back is None else 1.0 - back
 
 
@@ -265,8 +265,8 @@ def _foam_of(told: PressResult) -> FoamContext:
         across=fabrics.law is not None,
         sets=document.set is not None and not isinstance(document.set, float),
         even=told.model.case.dwell is None
-        and all(grown.celsius is None for grown in told.grown)
-        and abs(told.grown[0].temperature - told.grown[1].temperature) < 1e-9,
+        and all(grown.celsius is None for grown in told.model.grown)
+        and abs(told.model.grown[0].temperature - told.model.grown[1].temperature) < 1e-9,
         law_degC=None if several else told.reference if law.temperature is None else law.temperature,
     )
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array
 from hyperfab.chapters.press_contact.formed import Formed, Wanted, place
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
-from hyperfab.chapters.press_contact.heat import ThermalDisplacement
-from hyperfab.chapters.press_contact.model import Foam, Model
+from hyperfab.chapters.press_contact.model import Model
 from hyperfab.chapters.press_contact.warmth import Warmed, left_out, part_of
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.documents.press import (
@@ -29,7 +28,7 @@ from hyperfab.documents.press import (
     WantedPart,
 )
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.growth import Expansion, guide_line
+from hyperfab.pressing.growth import guide_line
 from hyperfab.pressing.mold import Mold, PressFrame
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
@@ -88,29 +87,14 @@ class PressResult:
         return self.model.files.document.expansion.reference
 
     @property
-    def expansions(self) -> tuple[Expansion, Expansion]:
-        """Of the male and the female."""
-        return self.model.files.expansions
-
-    @property
-    def grown(self) -> tuple[ThermalDisplacement, ThermalDisplacement]:
-        """How the male and the female have grown."""
-        return self.model.grown
-
-    @property
-    def foam(self) -> Foam:
-        """What of the foam is lost and given back."""
-        return self.model.foam
-
-    @property
     def final_thickness(self) -> Array | None:
         """Thickness (n,) [mm] of the sandwich when the press has opened: foam springs back by its recovery."""
-        if self.foam.recovery is None:
+        if self.model.foam.recovery is None:
             return None
         sandwich, gap = self.closed.press.sandwich, self.closed.contact.gap
         foam = np.broadcast_to(np.asarray(sandwich.foam), gap.shape)
         pressed, _ = sandwich.pressed(gap)
-        return np.asarray(sandwich.fabric + pressed + self.foam.recovery * (foam - pressed))
+        return np.asarray(sandwich.fabric + pressed + self.model.foam.recovery * (foam - pressed))
 
 
 def document_of(told: PressResult) -> PressDocument:
@@ -178,10 +162,10 @@ def document_of(told: PressResult) -> PressDocument:
         male=male_part,
         female=female_part,
         sandwich_mm=float(np.average(thickness, weights=area)),
-        sandwich_min_mm=float(thickness[molded].min()) if told.foam.uneven else None,
-        sandwich_max_mm=float(thickness[molded].max()) if told.foam.uneven else None,
-        foam_shrinkage=told.foam.lost,
-        foam_relaxation=told.foam.relaxed,
+        sandwich_min_mm=float(thickness[molded].min()) if told.model.foam.uneven else None,
+        sandwich_max_mm=float(thickness[molded].max()) if told.model.foam.uneven else None,
+        foam_shrinkage=told.model.foam.lost,
+        foam_relaxation=told.model.foam.relaxed,
         foam_thinning=told.model.files.thinning or None,
         frame_stiffness_N_mm=closed.case.frame,
         final_thickness=None if final is None else _range(final, area),
@@ -235,7 +219,7 @@ def _sensitivity(told: PressResult, area: Array) -> list[LeverPart]:
     line = guide_line(closed.case.male)
     rates = [
         float(expansion.strain(mold.temperature + 0.5) - expansion.strain(mold.temperature - 0.5))
-        for expansion, mold in zip(told.expansions, told.grown, strict=True)
+        for expansion, mold in zip(told.model.files.expansions, told.model.grown, strict=True)
     ]
     tooling = Tooling(
         points=closed.front.vertices,
@@ -248,8 +232,8 @@ def _sensitivity(told: PressResult, area: Array) -> list[LeverPart]:
         female_fixed=np.array([line[0], line[1], closed.female.mount]),
         male_rate=rates[0],
         female_rate=rates[1],
-        male_strain=told.grown[0].strain,
-        female_strain=told.grown[1].strain,
+        male_strain=told.model.grown[0].strain,
+        female_strain=told.model.grown[1].strain,
     )
     return [
         LeverPart(
@@ -314,7 +298,7 @@ def _state_areas(states: NDArray[np.int64], area: Array, closed: Closed, molding
 
 
 def _mold_part(mold: Mold, told: PressResult, index: int) -> MoldPart:
-    expansion, grown = told.expansions[index], told.grown[index]
+    expansion, grown = told.model.files.expansions[index], told.model.grown[index]
     return MoldPart(
         temperature_degC=grown.temperature,
         temperature_from=grown.known_from,
@@ -334,12 +318,12 @@ def _chord_error(mold: Mold) -> float:
 
 def _left_out(told: PressResult) -> list[str]:
     out = ["tilt: the molds are guided and stay parallel (--float, --tilt)"] if told.guided else []
-    if any(grown.even and "mean" in grown.known_from for grown in told.grown):
+    if any(grown.even and "mean" in grown.known_from for grown in told.model.grown):
         out.append("uneven temperature: each mold grows with one mean temperature")
     document, fabrics = told.model.files.document, told.model.files.fabrics
     if fabrics.thickness > 0.0 and fabrics.law is None:
         out.append("compression of the fabric: it is rigid across (fabric.compression)")
-    hot = max(abs(grown.temperature - told.reference) for grown in told.grown)
+    hot = max(abs(grown.temperature - told.reference) for grown in told.model.grown)
     if hot > _COLD and all(not isinstance(law, MaterialLaw) and law.temperature is None for law in document.laws):
         out.append("stiffness of the foam against temperature: its law is taken as it stands")
     if told.warmed is not None:
