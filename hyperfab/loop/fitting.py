@@ -177,7 +177,7 @@ class Descent:
             empty, far = np.zeros((len(value), len(x))), np.full_like(value, np.inf)
             return Fit(forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own)
         if not self.exact:
-            self._ask()
+            self.ask()
         left, jacobian = self.left, self.jacobian
         if noise.gain_sd or noise.across_sd or noise.correlation:
             full = noise.at(value)
@@ -196,7 +196,7 @@ class Descent:
         brings what it foretold. A descent ends by slopes that were asked for.
         """
         if not self.serves:
-            self._ask()
+            self.ask()
         x, jacobian = self.x, self.jacobian
         self.prior = self._holds()
         wall = _WALL**2 * max(self.misfit / len(self.left), 1.0)
@@ -218,7 +218,7 @@ class Descent:
             if not (np.all(np.isfinite(gradient)) and np.all(np.isfinite(normal))):
                 self.ended, self.serves = True, False  # a wall so steep that no number holds it
                 return
-            step = _step(normal, size, gradient, self.damping, x, self.low, self.high, ~held)
+            step = self._step(normal, size, gradient, ~held)
             if self.exact and self.damping > _DAMPING:
                 step = step + self._bend(step, normal, size, held)
             trial = np.clip(x + step, self.low, self.high)
@@ -272,7 +272,7 @@ class Descent:
         if not np.isfinite(misfit):
             return np.zeros_like(step)
         second = 2.0 / _NEAR * ((self.left - left) / _NEAR - self.jacobian @ ((near - self.x) / _NEAR))
-        bend = 0.5 * _step(normal, size, -self.jacobian.T @ second, self.damping, self.x, self.low, self.high, ~held)
+        bend = 0.5 * self._step(normal, size, -self.jacobian.T @ second, ~held)
         far = float(size @ bend**2) > _BENT**2 * float(size @ step**2)
         return np.zeros_like(step) if far else bend
 
@@ -286,12 +286,32 @@ class Descent:
             left = self.metric.whiten(self.target - value)
             return value, left, float(left @ left)
 
-    def _ask(self) -> None:
-        """Ask for the slopes where the descent is, by one-sided differences."""
-        self.jacobian = _jacobian(
-            self.problem, self.forms, self.x, self.value, self.scale, self.low, self.high, self.metric
-        )
+    def ask(self) -> None:
+        """Ask for the slopes where the descent is, by one-sided differences inside the bounds."""
+        step = 1e-5 * np.maximum(np.abs(self.x), self.scale)
+        step = np.where(self.x + step > self.high, -step, step)
+        moved = self.x + np.diag(step)
+        found = self.problem.predict_many(moved[:, : self.own], self.forms, moved[:, self.own :])
+        slopes = (found - self.value) / step[:, None]
+        # What is held has no say: no other constant has to make up for it.
+        slopes[self.low == self.high] = 0.0
+        self.jacobian = self.metric.whiten(np.where(np.isfinite(slopes), slopes, 0.0).T)
         self.serves = self.exact = True
+
+    def _step(self, normal: Array, size: Array, gradient: Array, free: NDArray[np.bool_]) -> Array:
+        """Return the damped step of ``free`` constants; those at a bound that it would carry out of it stay there."""
+        step = np.zeros_like(self.x)
+        for _ in range(len(step)):
+            # In units of what the data tell of each constant: their own units lie many powers of ten apart.
+            unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), size)[free])
+            matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + np.diag(self.damping * size[free] * unit**2)
+            step[:] = 0.0
+            step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
+            out = ((self.x <= self.low) & (step < 0.0)) | ((self.x >= self.high) & (step > 0.0))
+            if not np.any(out):
+                break
+            free = free & ~out
+        return step
 
     def _beyond(self, x: Array) -> Array:
         """Return by how much the constants are forbidden ones, (k,)."""
@@ -318,31 +338,6 @@ def _bounding(slope: Array) -> Array:
     return np.asarray(np.sum(slope[alone] ** 2, axis=0))
 
 
-def _step(
-    normal: Array,
-    size: Array,
-    gradient: Array,
-    damping: float,
-    x: Array,
-    low: Array,
-    high: Array,
-    free: NDArray[np.bool_],
-) -> Array:
-    """Return the damped step of the ``free`` constants; those at a bound that it would carry out of it stay there."""
-    step = np.zeros_like(x)
-    for _ in range(len(x)):
-        # In units of what the data tell of each constant: their own units lie many powers of ten apart.
-        unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), size)[free])
-        matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + np.diag(damping * size[free] * unit**2)
-        step[:] = 0.0
-        step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
-        out = ((x <= low) & (step < 0.0)) | ((x >= high) & (step > 0.0))
-        if not np.any(out):
-            break
-        free = free & ~out
-    return step
-
-
 def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:
     """Return the least chi-squared near a fit in each of several metrics, and what telling its constants takes from the
     logarithm of the determinant of each metric's covariance, (metrics,).
@@ -351,11 +346,11 @@ def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> t
     in restricted likelihood, over what it is without anything in common: Patterson & Thompson (1971),
     doi:10.1093/biomet/58.3.545.
     """
-    constants = [*problem.own, *(constant for form in found.forms.values() for constant in form.constants)]
-    low, high, scale = (_column(constants, name) for name in ("low", "high", "scale"))
     plain = metrics[0].plain
-    slope = _jacobian(problem, found.forms, found.x, found.predicted, scale, low, high, plain)
-    span = orthonormal(slope[:, (found.x > low) & (found.x < high)]) * plain.sd[:, None]
+    there = Descent(problem, plain, found.forms, found.x, metric=plain)
+    there.ask()
+    moving = (found.x > there.low) & (found.x < there.high)
+    span = orthonormal(there.jacobian[:, moving]) * plain.sd[:, None]
     misfits, taken = np.empty((2, len(metrics)))
     for k, metric in enumerate(metrics):
         left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(span)
@@ -374,24 +369,3 @@ def fitted_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
 
 def _column(constants: Sequence[Constant], name: str) -> Array:
     return np.array([getattr(constant, name) for constant in constants], dtype=np.float64)
-
-
-def _jacobian(
-    problem: Problem,
-    forms: Mapping[str, Form],
-    x: Array,
-    value: Array,
-    scale: Array,
-    low: Array,
-    high: Array,
-    noise: Noise,
-) -> Array:
-    """Return the whitened derivative of the prediction, by one-sided differences inside the bounds."""
-    step = 1e-5 * np.maximum(np.abs(x), scale)
-    step = np.where(x + step > high, -step, step)
-    moved = x + np.diag(step)
-    own = len(problem.own)
-    found = (problem.predict_many(moved[:, :own], forms, moved[:, own:]) - value) / step[:, None]
-    # What is held has no say: no other constant has to make up for it.
-    found[low == high] = 0.0
-    return noise.whiten(np.where(np.isfinite(found), found, 0.0).T)
