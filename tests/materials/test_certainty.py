@@ -9,7 +9,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.materials import laws
 from hyperfab.materials.identification import Problem, Rows, fit_law
 from hyperfab.materials.identification.quality import _by_parameter, certainty, figures
-from hyperfab.materials.identification.stable import stable_constants
+from hyperfab.materials.identification.stable import Stable
 from hyperfab.materials.stability import stable_over, stable_ranges
 
 STRETCH = np.linspace(1.1, 2.0, 12)
@@ -89,7 +89,7 @@ def test_stable_constants_of_two_groups_are_those_of_each_alone() -> None:
     law, reach = laws()["mooney-rivlin-2"], {"uniaxial": (1.0, 2.0), "biaxial": (1.0, 1.5)}
 
     def solved(curves, groups):
-        found = stable_constants(Problem(law, Rows.of(curves, groups)), np.zeros(0), reach)
+        found = Stable(Problem(law, Rows.of(curves, groups)), reach).constants(np.zeros(0))
         assert found is not None
         return found[0]
 

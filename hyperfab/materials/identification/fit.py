@@ -11,7 +11,7 @@ from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
 from hyperfab.materials.identification.search import beside, starts, thinned
-from hyperfab.materials.identification.stable import SLACKS, stable_optimum
+from hyperfab.materials.identification.stable import SLACKS, Stable
 from hyperfab.materials.kinematics import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.stability import stable_at, stable_ranges
@@ -75,7 +75,7 @@ def fit_law(
     if found is None or stable_over is None or _is_stable(found, stable_over, pairs):
         return found
     for share in SLACKS:
-        optimum = stable_optimum(problem, stable_over, share, pairs)
+        optimum = Stable(problem, stable_over, share, pairs).optimum()
         if optimum is None:
             return None
         found = _fit(problem, *optimum)

@@ -41,71 +41,119 @@ class States:
     d22: Array
 
 
-def states(
-    problem: Problem, theta: list[float], reach: Mapping[str, tuple[float, float]], pairs: Array | None = None
-) -> States:
-    """Return the matrices dt/de of each free term over the stretches of ``reach`` (mode: lowest, highest) and at
-    ``pairs`` of them (n, 2)."""
-    nu = problem.law.contraction(theta)
-    stretch, second = [], []
-    for mode, (low, high) in reach.items():
-        lam = np.geomspace(low / (1.0 + _BEYOND), high * (1.0 + _BEYOND), _POINTS)
-        stretch.append(lam)
-        second.append(second_stretch(mode, lam, nu))
-    if pairs is not None:
-        stretch.append(pairs[:, 0])
-        second.append(pairs[:, 1])
-    sheet = Sheet.of(np.concatenate(stretch), np.concatenate(second))
-    parts: list[list[Array]] = [[], [], []]
-    with np.errstate(all="ignore"):
-        terms = problem.law.terms(sheet, theta)
-        for number in problem.free:
-            found = terms[number].membrane(sheet)
-            parts[0].append(sheet.l1 * (found.P1 + sheet.l1 * found.A11))
-            parts[1].append(sheet.l1 * sheet.l2 * found.A12)
-            parts[2].append(sheet.l2 * (found.P2 + sheet.l2 * found.A22))
-    return States(*(np.stack(part, axis=-1) for part in parts))
+@dataclass(frozen=True)
+class Stable:
+    """The fit of a ``problem`` that is stable over the stretches of ``reach`` (mode: lowest, highest) and at ``pairs``
+    of them (n, 2), by a ``share`` of the largest stress."""
 
+    problem: Problem
+    reach: Mapping[str, tuple[float, float]]
+    share: float = SLACKS[0]
+    pairs: Array | None = None
 
-def stable_constants(
-    problem: Problem,
-    u: Array,
-    reach: Mapping[str, tuple[float, float]],
-    share: float = SLACKS[0],
-    pairs: Array | None = None,
-) -> tuple[Array, float] | None:
-    """Return the best linear constants at ``u`` that are stable over ``reach`` and at ``pairs``, and their square sum.
+    def states(self, theta: list[float]) -> States:
+        """Return the matrices dt/de of each free term at all these stretches."""
+        problem, pairs = self.problem, self.pairs
+        nu = problem.law.contraction(theta)
+        stretch, second = [], []
+        for mode, (low, high) in self.reach.items():
+            lam = np.geomspace(low / (1.0 + _BEYOND), high * (1.0 + _BEYOND), _POINTS)
+            stretch.append(lam)
+            second.append(second_stretch(mode, lam, nu))
+        if pairs is not None:
+            stretch.append(pairs[:, 0])
+            second.append(pairs[:, 1])
+        sheet = Sheet.of(np.concatenate(stretch), np.concatenate(second))
+        parts: list[list[Array]] = [[], [], []]
+        with np.errstate(all="ignore"):
+            terms = problem.law.terms(sheet, theta)
+            for number in problem.free:
+                found = terms[number].membrane(sheet)
+                parts[0].append(sheet.l1 * (found.P1 + sheet.l1 * found.A11))
+                parts[1].append(sheet.l1 * sheet.l2 * found.A12)
+                parts[2].append(sheet.l2 * (found.P2 + sheet.l2 * found.A22))
+        return States(*(np.stack(part, axis=-1) for part in parts))
 
-    None where there are none.
+    def constants(self, u: Array) -> tuple[Array, float] | None:
+        """Return the best linear constants at ``u`` that are stable, and their square sum; None where there are none.
 
-    With several groups of rows each group's constants are stable.
-    """
-    with np.errstate(all="ignore"):
-        A = problem.design(u)
-    theta = [float(value) for value in problem.theta(list(u))]
-    D = states(problem, theta, reach, pairs)
-    if not (np.isfinite(A).all() and all(np.isfinite(part).all() for part in (D.d11, D.d12, D.d22))):
-        return None
-    groups, width = problem.rows.groups, len(problem.free)
-    cuts: list[Array] = []
-    slack = share * float(np.abs(problem.rows.stress).max())
-    c = least_norm(A, problem.b)
-    for _ in range(_ROUNDS):
-        fresh = []
-        for group in range(groups):
-            for cut in _violated(D, c[group * width : (group + 1) * width], 0.5 * slack):
-                wide = np.zeros(groups * width)
-                wide[group * width : (group + 1) * width] = cut
-                fresh.append(wide)
-        if not fresh:
-            residual = problem.b - A @ c
-            return c, float(residual @ residual)
-        cuts += fresh
-        found = constrained(A, problem.b, np.array(cuts), slack)
-        if found is None:
+        With several groups of rows each group's constants are stable.
+        """
+        problem = self.problem
+        with np.errstate(all="ignore"):
+            A = problem.design(u)
+        theta = [float(value) for value in problem.theta(list(u))]
+        D = self.states(theta)
+        if not (np.isfinite(A).all() and all(np.isfinite(part).all() for part in (D.d11, D.d12, D.d22))):
             return None
-        c = found
-    return None
+        groups, width = problem.rows.groups, len(problem.free)
+        cuts: list[Array] = []
+        slack = self.share * float(np.abs(problem.rows.stress).max())
+        c = least_norm(A, problem.b)
+        for _ in range(_ROUNDS):
+            fresh = []
+            for group in range(groups):
+                for cut in _violated(D, c[group * width : (group + 1) * width], 0.5 * slack):
+                    wide = np.zeros(groups * width)
+                    wide[group * width : (group + 1) * width] = cut
+                    fresh.append(wide)
+            if not fresh:
+                residual = problem.b - A @ c
+                return c, float(residual @ residual)
+            cuts += fresh
+            found = constrained(A, problem.b, np.array(cuts), slack)
+            if found is None:
+                return None
+            c = found
+        return None
+
+    def optimum(self) -> tuple[Array, Array] | None:
+        """Return ``u`` and the linear constants of the best stable fit, or None where no constants are stable.
+
+        Linear laws need one convex problem. For the others the box is scanned and the best points improved by a
+        pattern of shrinking steps: the stable optimum often sits on a kink, where slopes do not help.
+        """
+        problem = self.problem
+        if not problem.axes:
+            found = self.constants(np.zeros(0))
+            return None if found is None else (np.zeros(0), found[0])
+        points = box_points(problem.axes, _SCAN[min(len(problem.axes), 2)])
+        # Without stability the fit is no worse: points that lose even so need no convex problem.
+        bound = scan(problem, points)
+        value, best = np.inf, None
+        for k in np.argsort(bound, kind="stable"):
+            if not bound[k] < value:
+                break
+            found = self.constants(points[k])
+            if found is not None and found[1] < value:
+                value, best = found[1], points[k]
+        if best is None:
+            return None
+        best = self._pattern(best)
+        found = self.constants(best)
+        return None if found is None else (best, found[0])
+
+    def _pattern(self, u: Array) -> Array:
+        """Walk downhill from ``u`` in steps along the axes and along the last success, halving where none helps."""
+        low = np.array([axis.low for axis in self.problem.axes])
+        high = np.array([axis.high for axis in self.problem.axes])
+        size = 1.0 / _SCAN[min(len(low), 2)]
+        value = np.inf if (start := self.constants(u)) is None else start[1]
+        directions = [sign * one for one in np.diag(high - low) for sign in (1.0, -1.0)]
+        while size > 1e-6:
+            before = u
+            for direction in directions:
+                trial = np.clip(u + size * direction, low, high)
+                found = self.constants(trial)
+                if found is not None and found[1] < value:
+                    u, value = trial, found[1]
+            if u is before:
+                size *= 0.4
+            else:
+                # Valleys lie askew: the sum of the last steps is tried next.
+                askew = (u - before) / size
+                directions = [*directions[: 2 * len(low)], askew, -askew]
+        return u
 
 
 def _violated(D: States, c: Array, least: float) -> list[Array]:
@@ -154,63 +202,3 @@ def constrained(A: Array, b: Array, G: Array, least: float = 0.0) -> Array | Non
         return None
     z = -r[:-1] / r[-1] * size
     return np.asarray(np.linalg.solve(R, z + q) / length)
-
-
-def stable_optimum(
-    problem: Problem,
-    reach: Mapping[str, tuple[float, float]],
-    share: float = SLACKS[0],
-    pairs: Array | None = None,
-) -> tuple[Array, Array] | None:
-    """Return ``u`` and the linear constants of the best stable fit, or None where no constants are stable.
-
-    Linear laws need one convex problem. For the others the box is scanned and the best points improved by a
-    pattern of shrinking steps: the stable optimum often sits on a kink, where slopes do not help.
-    """
-    if not problem.axes:
-        found = stable_constants(problem, np.zeros(0), reach, share, pairs)
-        return None if found is None else (np.zeros(0), found[0])
-    points = box_points(problem.axes, _SCAN[min(len(problem.axes), 2)])
-    # Without stability the fit is no worse: points that lose even so need no convex problem.
-    bound = scan(problem, points)
-    value, best = np.inf, None
-    for k in np.argsort(bound, kind="stable"):
-        if not bound[k] < value:
-            break
-        found = stable_constants(problem, points[k], reach, share, pairs)
-        if found is not None and found[1] < value:
-            value, best = found[1], points[k]
-    if best is None:
-        return None
-    best = _pattern(problem, best, reach, share, pairs)
-    found = stable_constants(problem, best, reach, share, pairs)
-    return None if found is None else (best, found[0])
-
-
-def _pattern(
-    problem: Problem,
-    u: Array,
-    reach: Mapping[str, tuple[float, float]],
-    share: float,
-    pairs: Array | None,
-) -> Array:
-    """Walk downhill from ``u`` in steps along the axes and along the last success, halving where none helps."""
-    low = np.array([axis.low for axis in problem.axes])
-    high = np.array([axis.high for axis in problem.axes])
-    size = 1.0 / _SCAN[min(len(low), 2)]
-    value = np.inf if (start := stable_constants(problem, u, reach, share, pairs)) is None else start[1]
-    directions = [sign * one for one in np.diag(high - low) for sign in (1.0, -1.0)]
-    while size > 1e-6:
-        before = u
-        for direction in directions:
-            trial = np.clip(u + size * direction, low, high)
-            found = stable_constants(problem, trial, reach, share, pairs)
-            if found is not None and found[1] < value:
-                u, value = trial, found[1]
-        if u is before:
-            size *= 0.4
-        else:
-            # Valleys lie askew: the sum of the last steps is tried next.
-            askew = (u - before) / size
-            directions = [*directions[: 2 * len(low)], askew, -askew]
-    return u
