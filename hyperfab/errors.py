@@ -22,7 +22,7 @@ class UsageError(HyperfabError):
 class InputError(HyperfabError):
     """An input file or document is wrong: exit status 3.
 
-    The message names the place (file, then line, column, key, facet or cell) and the way out.
+    The message names the place (file, then line, column, key or facet) and the way out.
 
     >>> print(InputError("not a number: 'abc'", file="warp.csv", line=7, column="stress",
     ...                  remedy="correct the cell or delete the row"))
@@ -40,12 +40,11 @@ class InputError(HyperfabError):
         column: str | None = None,
         key: str | None = None,
         facet: int | None = None,
-        cell: int | None = None,
         remedy: str | None = None,
     ) -> None:
         places = [] if file is None else ["standard input" if file == "-" else _shown(file)]
         quoted = None if column is None else f'"{column}"'
-        named = [("line", line), ("column", quoted), ("key", key), ("facet", facet), ("cell", cell)]
+        named = [("line", line), ("column", quoted), ("key", key), ("facet", facet)]
         places += [f"{name} {value}" for name, value in named if value is not None]
         text = f"{', '.join(places)}: {message}" if places else message
         super().__init__(f"{text}; {remedy}" if remedy else text)

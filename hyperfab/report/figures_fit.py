@@ -103,9 +103,7 @@ def _panel(
         )
         if line.unstable_from is not None and line.unstable_from < line.grid[-1]:
             axes.axvspan(line.unstable_from, line.grid[-1], color=colour, alpha=0.08, linewidth=0)
-    axes.set_ylim(*ends)
-    axes.set_xlabel(words[0])
-    axes.set_ylabel(words[1])
+    axes.set(ylim=ends, xlabel=words[0], ylabel=words[1])
     axes.set_title(title, fontsize=10)
     axes.grid(alpha=0.3)
     if banded:

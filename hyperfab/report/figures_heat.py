@@ -38,9 +38,7 @@ def heat_figure(
     figure.colorbar(shown, ax=axes[0], shrink=0.85).ax.set_title(
         "°C", fontsize=9
     )  # the curves beside it have their own label
-    axes[0].set_aspect("equal")
-    axes[0].set_xlabel(f"{labels[0]} [mm]")
-    axes[0].set_ylabel(f"{labels[1]} [mm]")
+    axes[0].set(aspect="equal", xlabel=f"{labels[0]} [mm]", ylabel=f"{labels[1]} [mm]")
     axes[0].set_title(f"work surface {title}: {temperature.min():.1f} to {temperature.max():.1f} °C", fontsize=10)
     if curves:
         minutes = times / 60.0 if times[-1] > 600.0 else times
@@ -51,8 +49,7 @@ def heat_figure(
             axes[1].axvspan(*(scale * end for end in warm), color="0.85", zorder=0, label="warm-up, 95 % interval")
         if target is not None:
             axes[1].axhline(target, color="0.5", linewidth=0.8, linestyle="--")
-        axes[1].set_xlabel("time [min]" if times[-1] > 600.0 else "time [s]")
-        axes[1].set_ylabel("temperature [°C]")
+        axes[1].set(xlabel="time [min]" if times[-1] > 600.0 else "time [s]", ylabel="temperature [°C]")
         axes[1].grid(alpha=0.3)
         if len(curves) <= 10:
             axes[1].legend(fontsize=8, frameon=False)

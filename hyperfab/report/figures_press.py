@@ -100,9 +100,7 @@ def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
         axes.plot(*mold.vertices[mold.gap <= 0.0, :2].T, ".", color=_RED, markersize=3)
     axes.autoscale_view()
     axes.margins(0.02)
-    axes.set_aspect("equal")
-    axes.set_xlabel(f"{mold.axes[0]} [mm]")
-    axes.set_ylabel(f"{mold.axes[1]} [mm]")
+    axes.set(aspect="equal", xlabel=f"{mold.axes[0]} [mm]", ylabel=f"{mold.axes[1]} [mm]")
     axes.set_title("Male mold, blue where it touches" + ("" if touched.any() else ": nowhere"), fontsize=10)
 
 
@@ -127,15 +125,13 @@ def _histogram(axes: Any, mold: SpottedMold) -> None:
         color="0.6",
     )
     axes.axvline(mold.thickness, color=_BLUE, linewidth=1.2)
-    axes.set_xlabel("gap [mm]; the line is the sandwich's thickness")
-    axes.set_ylabel("area [cm²]")
+    axes.set(xlabel="gap [mm]; the line is the sandwich's thickness", ylabel="area [cm²]")
 
 
 def _force(axes: Any, curve: Array, sure: tuple[Interval, Interval]) -> None:
     axes.plot(curve[:, 0], curve[:, 1], color=_BLUE, marker=".", markersize=4)
     draw_interval(axes, (curve[-1, 0], curve[-1, 1]), across=sure[0], force=sure[1], colour=_BLUE)
-    axes.set_xlabel("stroke from first touch [mm]")
-    axes.set_ylabel("closing force [N]")
+    axes.set(xlabel="stroke from first touch [mm]", ylabel="closing force [N]")
     axes.grid(alpha=0.3)
 
 
@@ -170,11 +166,8 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
         low, high = (float(values[used].min()), float(values[used].max())) if most is None else (-most, most)
         drawn = axes.tripcolor(plan, values, shading="gouraud", cmap=colours, vmin=low, vmax=max(high, low + 1e-6))
         figure.colorbar(drawn, ax=axes, label=label, shrink=0.8)
-        across = mold.vertices[used]
-        axes.set_xlim(across[:, 0].min(), across[:, 0].max())
-        axes.set_ylim(across[:, 1].min(), across[:, 1].max())
-        axes.set_aspect("equal")
-        axes.set_xlabel(f"{mold.axes[0]} [mm]")
-        axes.set_ylabel(f"{mold.axes[1]} [mm]")
+        x, y = mold.vertices[used, :2].T
+        axes.set(xlim=(x.min(), x.max()), ylim=(y.min(), y.max()), aspect="equal")
+        axes.set(xlabel=f"{mold.axes[0]} [mm]", ylabel=f"{mold.axes[1]} [mm]")
     figure.suptitle(title, fontsize=11)
     return png(figure)

@@ -39,6 +39,7 @@ class Progress:
     seconds: float = 0.0
 
 
+@dataclass(eq=False)
 class Engine:
     """Runs the steps of cases; one object a run.
 
@@ -46,19 +47,13 @@ class Engine:
     ``again`` says of a finished outcome whether to run its step anew; ``tell`` is called about once a second.
     """
 
-    def __init__(
-        self,
-        client: Any | None,
-        store: Store,
-        runner: Runner,
-        tell: Callable[[Progress], None],
-        again: Callable[[Outcome], bool],
-    ) -> None:
-        self.client = client
-        self.store = store
-        self.runner = runner
-        self.tell = tell
-        self.again = again
+    client: Any | None
+    store: Store
+    runner: Runner
+    tell: Callable[[Progress], None]
+    again: Callable[[Outcome], bool]
+
+    def __post_init__(self) -> None:
         self.progress = Progress()
         #: Outcomes that were not kept in the folder: accidents, which the next run tries again.
         self.accidents: dict[str, Outcome] = {}

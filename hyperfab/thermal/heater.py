@@ -6,6 +6,7 @@ A thermostat switches a heater by the temperature of a probe: off at set + band/
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -14,19 +15,18 @@ from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.tables import Table
 
 
+@dataclass(eq=False)
 class Heater:
     """A heat source of unit ``shape`` (n,), nodal loads that sum to 1, times ``power`` [W] against time.
 
     ``on`` is switched by a thermostat; without one it stays on.
     """
 
-    linear = True
-
-    def __init__(self, name: str, shape: Array, power: Table) -> None:
-        self.name = name
-        self.shape = shape
-        self.power = power
-        self.on = True
+    name: str
+    shape: Array
+    power: Table
+    on: bool = True
+    linear: ClassVar[bool] = True
 
     @property
     def nodes(self) -> Ints:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -27,6 +28,7 @@ from hyperfab.thermal.tables import Table
 Mask = NDArray[np.bool_]
 
 
+@dataclass(eq=False)
 class Placing:
     """Places the conditions of ``document`` (file ``name``) on ``faces``.
 
@@ -34,26 +36,20 @@ class Placing:
     condition acts on [mm^2].
     """
 
-    def __init__(
-        self,
-        document: MoldDocument,
-        name: str,
-        faces: Faces,
-        joints: Sequence[FaceSet],
-        functions: Mapping[str, Table],
-    ) -> None:
-        self.document = document
-        self.name = name
-        self.faces = faces
-        self.mesh = faces.mesh
-        self.joints = joints
-        self.functions = functions
+    document: MoldDocument
+    name: str
+    faces: Faces
+    joints: Sequence[FaceSet]
+    functions: Mapping[str, Table]
+
+    def __post_init__(self) -> None:
+        self.mesh = self.faces.mesh
         self.areas: dict[str, float] = {}
         #: Facets that pieces of a production cover, and the films on them, which act while they are bare.
-        self.covered = np.zeros(len(faces.mesh.facets.element), dtype=bool)
+        self.covered = np.zeros(len(self.mesh.facets.element), dtype=bool)
         self.bare: list[Switched] = []
         self._operators: dict[bytes, FacetOperator] = {}
-        self.refuse_overlap([(f"contact.{i}.between", joint.mask) for i, joint in enumerate(joints)])
+        self.refuse_overlap([(f"contact.{i}.between", joint.mask) for i, joint in enumerate(self.joints)])
 
     def prescribed(self) -> list[Prescribed]:
         """Return the held nodes of every [[temperature]]."""
