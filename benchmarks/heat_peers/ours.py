@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.locate import Locator

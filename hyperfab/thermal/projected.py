@@ -15,15 +15,12 @@ from scipy import linalg, sparse
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.thermal.condition import Condition
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Condition, Contact, Convection, Radiation
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.trail import Lift
 
 

@@ -14,15 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.reduced_steps import Course, Faces, Numbers, Parts, march
 from hyperfab.thermal.run_basis import SOLVE, beside_uniform
 from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch

@@ -8,13 +8,12 @@ import numpy as np
 from scipy import sparse
 
 from hyperfab.arrays import Array
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Convection, Radiation
 from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import by_vector
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.step import GAMMA, State
 from hyperfab.thermal.trail import Lift, examples
 

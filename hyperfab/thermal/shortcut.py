@@ -23,13 +23,11 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection, Radiation
 from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import DROP, duration, lift_of, orthonormal
 from hyperfab.thermal.step import Model, State, initial_state, stages, take_step
 from hyperfab.thermal.trail import Lift

@@ -11,12 +11,12 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.condition import Renewal
 from hyperfab.thermal.heater import Thermostat
 from hyperfab.thermal.history import History, Ledger, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.shortcut import Shortcut, View
 from hyperfab.thermal.step import Model, State, Step, along, initial_state, stages, take_step
-from hyperfab.thermal.switched import Renewal
 from hyperfab.thermal.trail import Past, Trail
 
 #: Step-size control: the error of a step falls with the third power of its length.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Convection, Radiation
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Body, Box, Geometry
@@ -14,7 +14,6 @@ from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.tables import Table
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts

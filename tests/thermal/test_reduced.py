@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import ThermalMaterial

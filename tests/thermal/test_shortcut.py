@@ -6,15 +6,13 @@ import numpy as np
 import pytest
 
 from hyperfab.thermal import shortcut as module
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History, Ledger, curve
 from hyperfab.thermal.lumping import Alike, groups
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import Face, ProjectedMedium, ProjectedModel
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.run_basis import orthonormal
 from hyperfab.thermal.shortcut import View, shortcut_for
 from hyperfab.thermal.step import State, initial_state

@@ -12,17 +12,13 @@ from numpy.typing import NDArray
 from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.mold import FacesInBox, HeaterSection, MoldDocument, Place
 from hyperfab.errors import InputError, placed
-from hyperfab.thermal.condition import Condition
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Condition, Contact, Convection, Radiation, Switched
 from hyperfab.thermal.faces import Faces, FaceSet
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Box
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
-from hyperfab.thermal.radiation import Radiation
-from hyperfab.thermal.switched import Switched
 from hyperfab.thermal.tables import Table
 
 Mask = NDArray[np.bool_]

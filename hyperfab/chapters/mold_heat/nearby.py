@@ -13,12 +13,10 @@ from hyperfab.chapters.mold_heat.result import shown
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby
 from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.thermal.contact import Contact
-from hyperfab.thermal.convection import Convection
+from hyperfab.thermal.condition import Contact, Convection, Radiation
 from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.history import History
 from hyperfab.thermal.projected import why_not
-from hyperfab.thermal.radiation import Radiation
 from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.settings import Settings

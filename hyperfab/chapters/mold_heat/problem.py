@@ -20,6 +20,7 @@ from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid
 from hyperfab.thermal.apart import Apart, apart
+from hyperfab.thermal.condition import Renewal
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Geometry
@@ -29,7 +30,6 @@ from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.plausibility import doubts
-from hyperfab.thermal.switched import Renewal
 from hyperfab.thermal.tables import Table
 
 #: A mesh whose volume is off by more than this share follows the curves of a part too coarsely.

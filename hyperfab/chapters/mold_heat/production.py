@@ -14,11 +14,11 @@ from hyperfab.documents.heat import PieceResult, Production
 from hyperfab.documents.mold import MoldDocument, ProductionSection
 from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
+from hyperfab.thermal.condition import Renewal, Switched
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.history import History
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.piece import Layer, Piece, column
-from hyperfab.thermal.switched import Renewal, Switched
 
 #: Pieces after which a mold that has not come round is told as it is.
 MOST_PIECES = 1000
