@@ -119,8 +119,7 @@ def heat(size: float) -> Callable[[], bytes]:
     from heat import write_mesh
     from ours import FILM, STEP, degree_two, facets
 
-    from hyperfab.thermal.condition import Convection
-    from hyperfab.thermal.heater import Heater
+    from hyperfab.thermal.condition import Convection, Heater
     from hyperfab.thermal.medium import ThermalMaterial
     from hyperfab.thermal.model import HeatModel
     from hyperfab.thermal.tables import Table

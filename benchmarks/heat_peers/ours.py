@@ -9,9 +9,8 @@ import time
 
 import numpy as np
 
-from hyperfab.thermal.condition import Convection
+from hyperfab.thermal.condition import Convection, Heater
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.locate import Locator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh

@@ -12,7 +12,7 @@ from hyperfab.io.cells import NO_READING, is_number, is_one_at_rest, shape
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, is_closing
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import Heading, meaning
+from hyperfab.io.headings import Heading, heading, meaning, unit_behind
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
@@ -31,7 +31,6 @@ from hyperfab.io.tables import (
     understood,
     with_units,
 )
-from hyperfab.io.titles import heading, unit_behind
 from hyperfab.io.xlsx import NOT_COMPUTED, is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.

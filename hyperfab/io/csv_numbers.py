@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.headings import Heading
-from hyperfab.io.titles import COUNTED, unit_of
+from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 

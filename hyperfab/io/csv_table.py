@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.errors import InputError
-from hyperfab.io import titles
+from hyperfab.io import headings as titles
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from hyperfab.errors import UsageError
 from hyperfab.io.dictionary import fold, looked_up, plain
 from hyperfab.io.heading_words import COLUMNS
-from hyperfab.io.headings import KIND, Heading, is_of
-from hyperfab.io.titles import beside, heading
+from hyperfab.io.headings import KIND, Heading, beside, heading, is_of
 from hyperfab.io.units import is_unit
 
 _ASIDE = ("aside", "ignore", "none", "-")

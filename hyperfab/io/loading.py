@@ -12,14 +12,13 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_numbers import numbers, other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain
-from hyperfab.io.headings import meaning
+from hyperfab.io.headings import meaning, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.signs import counts_down, farthest, of_mechanics, perhaps_pulled, refuse_either_way
 from hyperfab.io.specimen import Specimen
 from hyperfab.io.stated import conflicting, perhaps_gauge_length
-from hyperfab.io.titles import unread_unit
 
 #: Columns that tell where a grip is, or how long the specimen.
 _LENGTHS = ("extension", "length", "position")

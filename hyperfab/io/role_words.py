@@ -11,9 +11,8 @@ from hyperfab.io.cells import is_length, is_number, plain_values, shape
 from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, measured
-from hyperfab.io.headings import KIND, Heading, is_of, is_unread, meaning
+from hyperfab.io.headings import KIND, Heading, heading, is_of, is_unread, meaning, unit_of, unread_unit
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, STRONGEST, Column, Roles, state_of
-from hyperfab.io.titles import heading, unit_of, unread_unit
 from hyperfab.io.units import is_unit
 
 #: Units to propose where a column has none.

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.dictionary import fold, plain, setting, setting_along
+from hyperfab.io.headings import heading, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
-from hyperfab.io.titles import heading, unit_of
 
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
 SIZES = (

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain, word_for
-from hyperfab.io.headings import Heading, meaning
+from hyperfab.io.headings import Heading, heading, meaning
 from hyperfab.io.layout import Choice, Layout, named
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.roles import (
@@ -23,7 +23,6 @@ from hyperfab.io.roles import (
     state_of,
 )
 from hyperfab.io.settings import Entry
-from hyperfab.io.titles import heading
 
 
 def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:

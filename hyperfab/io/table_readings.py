@@ -8,11 +8,10 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.dictionary import Meaning, is_closing, plain, setting
 from hyperfab.io.heading_words import SETTINGS
-from hyperfab.io.headings import Heading, meaning, suffixed
+from hyperfab.io.headings import NUMBER_LIKE, Heading, heading, meaning, suffixed
 from hyperfab.io.rows import MAX_COLUMNS, SEPARATORS, Row
 from hyperfab.io.settings import settings
 from hyperfab.io.tables import Block, is_units, of_specimens
-from hyperfab.io.titles import NUMBER_LIKE, heading
 
 #: More words than these in a column beside the readings are said of them, and state nothing of the file.
 _STATED = 60

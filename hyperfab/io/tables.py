@@ -12,11 +12,10 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_clock, is_number
 from hyperfab.io.dictionary import is_closing, plain, setting, words
 from hyperfab.io.heading_words import NAMES
-from hyperfab.io.headings import Heading, meaning
+from hyperfab.io.headings import Heading, heading, meaning, unit_behind, unit_of
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
 from hyperfab.io.settings import Entry, settings
-from hyperfab.io.titles import heading, unit_behind, unit_of
 from hyperfab.io.unit_table import parse_unit
 from hyperfab.io.units import is_unit
 

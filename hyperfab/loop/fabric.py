@@ -37,8 +37,7 @@ from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law
+from hyperfab.materials.law import Law, Sheet
 
 #: Rows that are enough to find the valley of a law's constants; the loop's own fit sees all.
 _VALLEY = 240

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from hyperfab.materials.law import Membrane
 from hyperfab.materials.material import Material, Uniaxial
 from hyperfab.materials.registry import bind, law, laws
-from hyperfab.materials.term import Membrane
 
 __all__ = ["Material", "Membrane", "Uniaxial", "bind", "law", "laws"]

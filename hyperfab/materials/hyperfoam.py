@@ -15,9 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law
-from hyperfab.materials.term import Term, Value
+from hyperfab.materials.law import Law, Sheet, Term, Value
 
 #: The models by name, and their number of terms.
 ORDERS = {f"hyperfoam-{n}": n for n in (1, 2, 3)}

@@ -8,9 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Law
-from hyperfab.materials.term import Membrane
+from hyperfab.materials.law import Array, Law, Membrane, Sheet
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hyperfab.curve import share_of_shear, sheared
-from hyperfab.materials.kinematics import Array, Sheet
+from hyperfab.materials.law import Array, Sheet
 from hyperfab.materials.material import Material
 
 #: Modes with one stretch to say where a point lies.

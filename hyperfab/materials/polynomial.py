@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law
-from hyperfab.materials.term import InvariantTerm, Value
+from hyperfab.materials.law import InvariantTerm, Law, Sheet, Value
 
 
 class Polynomial(Law):

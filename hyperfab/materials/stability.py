@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.modes import MODES, second_stretch
 

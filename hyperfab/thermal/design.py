@@ -10,8 +10,8 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.tables import Table

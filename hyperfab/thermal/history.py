@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.step import along
 from hyperfab.thermal.trail import Trail

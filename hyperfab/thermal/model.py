@@ -19,8 +19,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.numerics.product import product
 from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern, add
-from hyperfab.thermal.condition import Condition
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Condition, Heater
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
 from hyperfab.thermal.prescribed import Prescribed

@@ -15,8 +15,7 @@ from scipy import linalg, sparse
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.thermal.condition import Condition, Contact, Convection, Radiation
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Condition, Contact, Convection, Heater, Radiation
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array
-from hyperfab.thermal.condition import Contact, Convection, Radiation
+from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel

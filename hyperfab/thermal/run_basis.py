@@ -8,8 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from hyperfab.arrays import Array
-from hyperfab.thermal.condition import Convection, Radiation
-from hyperfab.thermal.heater import Heater, Thermostat
+from hyperfab.thermal.condition import Convection, Heater, Radiation, Thermostat
 from hyperfab.thermal.history import History
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.model import HeatModel

@@ -23,8 +23,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.condition import Contact, Convection, Radiation
-from hyperfab.thermal.heater import Heater, Thermostat
+from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation, Thermostat
 from hyperfab.thermal.history import History, Reduced, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.projected import ProjectedModel, why_not

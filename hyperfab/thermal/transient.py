@@ -11,8 +11,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal.condition import Renewal
-from hyperfab.thermal.heater import Thermostat
+from hyperfab.thermal.condition import Renewal, Thermostat
 from hyperfab.thermal.history import History, Ledger, Target
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.shortcut import Shortcut, View

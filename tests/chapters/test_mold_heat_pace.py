@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hyperfab.chapters.mold_heat.pace import Pace
-from hyperfab.thermal.heater import Heater, Thermostat
+from hyperfab.thermal.condition import Heater, Thermostat
 from hyperfab.thermal.tables import Table
 
 

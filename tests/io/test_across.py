@@ -2,8 +2,7 @@
 
 import pytest
 
-from hyperfab.io.headings import meaning
-from hyperfab.io.titles import heading
+from hyperfab.io.headings import heading, meaning
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, MODE_NAMES, SHEAR, UNIAXIAL, Path, uniaxial_pull
 from hyperfab.materials.effects.permanent_set import second_network
 from hyperfab.materials.effects.rate import flowing, relaxing, relaxing_measured, thinning
-from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import Sheet
 from hyperfab.materials.registry import law
 
 WARP = np.array([0.06, 0.02, 0.017])

@@ -21,12 +21,11 @@ from hyperfab.materials.effects import compressibility, grip_slack, load_offset,
 from hyperfab.materials.effects.elastic_law import FORMS
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.mullins import worn_smoothly
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, uniaxial_pull
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, State, uniaxial_pull
 from hyperfab.materials.effects.permanent_set import crept_smoothly
 from hyperfab.materials.effects.rate import relaxing, spectrum
 from hyperfab.materials.effects.smooth import cardinal, straight, through
-from hyperfab.materials.effects.state import State
-from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import Sheet
 from hyperfab.materials.registry import law
 
 

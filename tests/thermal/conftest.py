@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.thermal.condition import Convection, Radiation
+from hyperfab.thermal.condition import Convection, Heater, Radiation
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Body, Box, Geometry
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh
 from hyperfab.thermal.model import HeatModel

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hyperfab.errors import NotConverged
+from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.tables import Table
 
 

@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hyperfab.thermal.condition import Contact, Convection
+from hyperfab.thermal.condition import Contact, Convection, Heater
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel

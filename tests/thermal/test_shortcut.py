@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from hyperfab.thermal import shortcut as module
-from hyperfab.thermal.condition import Contact, Convection, Radiation
+from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation, Thermostat
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater, Thermostat
 from hyperfab.thermal.history import History, Ledger, curve
 from hyperfab.thermal.lumping import Alike, groups
 from hyperfab.thermal.model import HeatModel

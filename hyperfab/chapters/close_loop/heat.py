@@ -27,9 +27,8 @@ from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, heat_problem
 from hyperfab.loop.probes import looked_through
-from hyperfab.thermal.condition import Contact, Convection, Radiation
+from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
-from hyperfab.thermal.heater import Heater
 from hyperfab.thermal.reduced import HOLDS, ReducedMold, reduce
 from hyperfab.thermal.tables import Table
 

@@ -13,8 +13,7 @@ from hyperfab.chapters.mold_heat.result import shown
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby
 from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.thermal.condition import Contact, Convection, Radiation
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.history import History
 from hyperfab.thermal.projected import why_not
 from hyperfab.thermal.reduced import ReducedMold, reduce

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.mold_heat.problem import Problem
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Heater
 
 #: A step this much shorter than the longest since the last jump follows a jump itself.
 _RESTART = 0.2

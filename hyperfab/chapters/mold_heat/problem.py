@@ -20,11 +20,10 @@ from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid
 from hyperfab.thermal.apart import Apart, apart
-from hyperfab.thermal.condition import Renewal
+from hyperfab.thermal.condition import Renewal, Thermostat
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Geometry
-from hyperfab.thermal.heater import Thermostat
 from hyperfab.thermal.locate import Locator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts

@@ -20,7 +20,7 @@ from hyperfab.documents.heat import (
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal import surface
-from hyperfab.thermal.heater import Heater
+from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.history import LEAST_CHANGE, History, curve, curve_times
 from hyperfab.thermal.sensors import as_shown
 from hyperfab.thermal.trail import Past

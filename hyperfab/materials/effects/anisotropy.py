@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.effects.path import Path, second_stretch
-from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Law, scaled
+from hyperfab.materials.law import Array, Law, scaled
 
 #: Stress [MPa] and energy [MPa] of every row.
 Answer = tuple[Array, Array]

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.materials.effects.path import BIAXIAL, SHEAR, UNIAXIAL, Path, second_stretch
 from hyperfab.materials.effects.smooth import through
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 #: Newton steps for the volume, each doubles the digits; after one this small, relative, none are left to double.
 _STEPS, _EXACT = 7, 1e-9

@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from hyperfab.materials.effects.smooth import CLOSER, cardinal, straight
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law
+from hyperfab.materials.law import InvariantTerm, Law, PowerTerm, Sheet, Term, Value, log_I2, of_I1, of_I2
 from hyperfab.materials.material import Material
-from hyperfab.materials.term import InvariantTerm, PowerTerm, Term, Value, log_I2, of_I1, of_I2
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly

@@ -22,13 +22,10 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, second_stretch
-from hyperfab.materials.effects.state import State
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, State, second_stretch
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.hyperfoam import Hyperfoam, HyperfoamLaw, Rows
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Law
-from hyperfab.materials.term import InvariantTerm, Term
+from hyperfab.materials.law import Array, InvariantTerm, Law, Sheet, Term
 
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]

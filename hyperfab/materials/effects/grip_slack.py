@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import CLOSER, through
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import Acts, Path, State
 from hyperfab.materials.effects.recurrence import along
-from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.effects.ways import each_way
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 @dataclass(frozen=True)

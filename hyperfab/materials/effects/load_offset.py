@@ -7,10 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.materials.effects.grip_slack import by_curve, of_each
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import Acts, Path, State
 from hyperfab.materials.effects.smooth import through
-from hyperfab.materials.effects.state import Acts, State
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 def shifted(stress: Array, offset: float | Array, time: Array | None = None, drift: float = 0.0) -> Array:

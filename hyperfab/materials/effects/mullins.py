@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import Acts, Path, State
 from hyperfab.materials.effects.smooth import through
-from hyperfab.materials.effects.state import Acts, State
 from hyperfab.materials.effects.ways import amount as amount_of_each_way
 from hyperfab.materials.effects.ways import each_way
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 def softened(energy: Array, greatest: Array, amount: float, scale: float, beta: float = 0.0) -> Array:

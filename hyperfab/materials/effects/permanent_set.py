@@ -12,7 +12,7 @@ from hyperfab.materials.effects.path import Path, second_stretch
 from hyperfab.materials.effects.recurrence import along, towards
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.ways import amount
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 def returned(stretch: Array, peak: Array, rest: Array, least: Array | float = 1.0) -> Array:

@@ -8,10 +8,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.materials.effects.path import Path, second_stretch
-from hyperfab.materials.effects.state import Acts, State
+from hyperfab.materials.effects.path import Acts, Path, State, second_stretch
 from hyperfab.materials.effects.ways import each_way
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.numerics.kernels import inlined, kernel
 
 #: Steps of a branch in series for each of its times, and between two rows at most.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.numerics.kernels import kernel
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline, PPoly

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from hyperfab.materials.effects.path import Acts, State
 from hyperfab.materials.effects.smooth import through
-from hyperfab.materials.effects.state import Acts, State
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 def factor(temperature: Array, reference: float, softening: float, curvature: float = 0.0) -> Array:

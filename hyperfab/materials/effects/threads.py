@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.effects.path import BIAXIAL, UNIAXIAL, Path, second_stretch
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.energy import ABSENT
 from hyperfab.materials.orthotropic.specimen import Strip, held, strip

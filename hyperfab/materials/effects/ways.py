@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.materials.effects.path import BIAXIAL, SHEAR, Path
-from hyperfab.materials.effects.state import Acts, State
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.effects.path import BIAXIAL, SHEAR, Acts, Path, State
+from hyperfab.materials.law import Array
 
 #: The root of ``I1 - 3`` at a small strain, over that of a strip: held across, and pulled both ways.
 _SHEAR, _BIAXIAL = 2.0 / np.sqrt(3.0), 2.0

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.materials.identification.rows import Rows
-from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Axis, Law
+from hyperfab.materials.law import Array, Axis, Law
 
 #: Step of the complex-step derivative: no subtraction, so it may be tiny.
 _STEP = 1e-40

@@ -12,7 +12,7 @@ from hyperfab.materials.identification.linear import least_norm
 from hyperfab.materials.identification.polish import polish
 from hyperfab.materials.identification.search import beside, starts, thinned
 from hyperfab.materials.identification.stable import SLACKS, Stable
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.stability import stable_at, stable_ranges
 from hyperfab.materials.stability import stable_over as stable

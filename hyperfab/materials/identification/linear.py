@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 #: A column this small beside the first one after elimination is a copy of the others.
 _RANK = 1e-14

@@ -13,7 +13,7 @@ import numpy as np
 
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import Projection, project
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 _ROUGH_STEPS = 25
 _FINE_STEPS = 200

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
 from hyperfab.materials.identification.scatter import Scatter, Weighed, by_specimen
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.curve import TestCurve, share_of_shear
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Extent
+from hyperfab.materials.law import Array, Extent, Sheet
 from hyperfab.materials.modes import SIMPLE_SHEAR, second_stretch, way
 
 

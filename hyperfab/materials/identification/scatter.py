@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 
 #: Where intervals are to cover: both tails of 95 %.
 _LEVEL = 0.975

@@ -8,8 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from hyperfab.materials.identification.design import Problem
-from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Axis
+from hyperfab.materials.law import Array, Axis
 
 #: Points along one axis, by the number of axes.
 _POINTS = {1: 61, 2: 49, 3: 13}

@@ -16,7 +16,7 @@ import numpy as np
 from hyperfab.materials.identification.design import Problem
 from hyperfab.materials.identification.linear import least_norm, nonnegative
 from hyperfab.materials.identification.search import box_points, scan
-from hyperfab.materials.kinematics import Array, Sheet
+from hyperfab.materials.law import Array, Sheet
 from hyperfab.materials.modes import second_stretch
 
 #: Stretches looked at in each mode: far finer than any test.

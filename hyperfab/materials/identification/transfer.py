@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
-from hyperfab.materials.kinematics import Array, Sheet
+from hyperfab.materials.law import Array, Sheet
 from hyperfab.materials.material import Material
 from hyperfab.materials.modes import MODES, nominal_stress, second_stretch
 

@@ -10,9 +10,19 @@ from functools import cache
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Axis, Extent, Law, log_axis, positive
-from hyperfab.materials.term import InvariantTerm, Value, of_I1, of_I2
+from hyperfab.materials.law import (
+    Array,
+    Axis,
+    Extent,
+    InvariantTerm,
+    Law,
+    Sheet,
+    Value,
+    log_axis,
+    of_I1,
+    of_I2,
+    positive,
+)
 
 
 class Alexander(Law):

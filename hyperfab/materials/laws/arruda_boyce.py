@@ -7,9 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Axis, Extent, Law, log_axis, positive
-from hyperfab.materials.term import InvariantTerm, Value, of_I1
+from hyperfab.materials.law import Axis, Extent, InvariantTerm, Law, Sheet, Value, log_axis, of_I1, positive
 
 #: Series of the inverse Langevin function, as the paper gives it.
 COEFFICIENTS = (1 / 2, 1 / 20, 11 / 1050, 19 / 7000, 519 / 673750)

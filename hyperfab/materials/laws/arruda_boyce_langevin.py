@@ -9,9 +9,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Axis, Extent, Law, log_axis
-from hyperfab.materials.term import InvariantTerm, Value, log_I2, of_I1
+from hyperfab.materials.law import Array, Axis, Extent, InvariantTerm, Law, Sheet, Value, log_axis, log_I2, of_I1
 
 #: Taylor coefficients of L at 0: b/3 - b^3/45 + ...; below SMALL nine of them leave an error under 1e-16.
 _SERIES = (

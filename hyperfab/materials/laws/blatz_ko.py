@@ -11,9 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Axis, Extent, Law, linear_axis
-from hyperfab.materials.term import Membrane, Value
+from hyperfab.materials.law import Array, Axis, Extent, Law, Membrane, Sheet, Value, linear_axis
 
 
 @dataclass(frozen=True)

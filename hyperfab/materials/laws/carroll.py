@@ -9,9 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Law
-from hyperfab.materials.term import InvariantTerm, Value, of_I1, of_I2
+from hyperfab.materials.law import InvariantTerm, Law, Sheet, Value, of_I1, of_I2
 
 
 class Carroll(Law):

@@ -11,9 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Axis, Extent, Law, distance_to, log_axis
-from hyperfab.materials.term import PowerTerm, Term, Value, of_I1
+from hyperfab.materials.law import Axis, Extent, Law, PowerTerm, Sheet, Term, Value, distance_to, log_axis, of_I1
 
 
 class ExtendedTube(Law):

@@ -12,9 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Array, Sheet
-from hyperfab.materials.law import Axis, Extent, Law, log_axis, positive
-from hyperfab.materials.term import Membrane, Term, Value, of_I1
+from hyperfab.materials.law import Array, Axis, Extent, Law, Membrane, Sheet, Term, Value, log_axis, of_I1, positive
 
 
 @dataclass(frozen=True)

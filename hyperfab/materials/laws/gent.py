@@ -9,9 +9,18 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Axis, Extent, Law, distance_to, log_axis, positive
-from hyperfab.materials.term import InvariantTerm, Value, of_I1
+from hyperfab.materials.law import (
+    Axis,
+    Extent,
+    InvariantTerm,
+    Law,
+    Sheet,
+    Value,
+    distance_to,
+    log_axis,
+    of_I1,
+    positive,
+)
 
 
 class Gent(Law):

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import InvariantTerm, Sheet, Value, log_I2
 from hyperfab.materials.laws.gent import Gent, gent_term
-from hyperfab.materials.term import InvariantTerm, Value, log_I2
 
 
 class GentGent(Gent):

@@ -10,9 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hyperfab.materials.kinematics import Sheet
-from hyperfab.materials.law import Axis, Extent, Law, linear_axis
-from hyperfab.materials.term import PowerTerm, Value
+from hyperfab.materials.law import Axis, Extent, Law, PowerTerm, Sheet, Value, linear_axis
 
 #: Exponents are sought here, in tests of short reach up to a power that grows by e^12 over it: beyond, it is a wall
 #: that no readings lie on. Tissue that stiffens within 5 % has 78.

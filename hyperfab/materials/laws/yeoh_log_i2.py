@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hyperfab.materials.kinematics import Sheet
+from hyperfab.materials.law import InvariantTerm, Sheet, Value, log_I2
 from hyperfab.materials.polynomial import Polynomial
-from hyperfab.materials.term import InvariantTerm, Value, log_I2
 
 
 class YeohLogI2(Polynomial):

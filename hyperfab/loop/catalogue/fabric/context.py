@@ -7,8 +7,7 @@ import numpy as np
 
 from hyperfab.loop.fabric_tests import ONE_PACE
 from hyperfab.materials.effects.path import Path
-from hyperfab.materials.kinematics import Array
-from hyperfab.materials.law import Law
+from hyperfab.materials.law import Array, Law
 
 
 @dataclass(frozen=True)

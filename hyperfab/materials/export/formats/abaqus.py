@@ -29,7 +29,7 @@ from hyperfab.materials.export.card import (
     volumetric,
 )
 from hyperfab.materials.hyperfoam import Hyperfoam
-from hyperfab.materials.kinematics import Array
+from hyperfab.materials.law import Array
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 
