@@ -15,8 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.loop.candidate import Candidate
-from hyperfab.loop.judge import structured_of_each
+from hyperfab.loop.judge import Candidate, structured_of_each
 from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL
 
 

@@ -13,9 +13,8 @@ from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
 from hyperfab.loop.belief import Belief, allowed, surprise
-from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import Fit, fit
-from hyperfab.loop.judge import common_bic
+from hyperfab.loop.judge import Candidate, common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Form, Problem
 from hyperfab.loop.score import projected

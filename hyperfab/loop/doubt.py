@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.fitting import fitted_misfit, stepped_misfits
+from hyperfab.loop.judge import Candidate
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search

@@ -9,7 +9,6 @@ import numpy as np
 
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
-from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.confounding import indistinguishable, rivals
 from hyperfab.loop.dependence import dependence, suggestion
 from hyperfab.loop.design import NextMeasurement, next_measurement
@@ -23,7 +22,7 @@ from hyperfab.loop.doubt import (
 )
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import Fit, fit
-from hyperfab.loop.judge import common_bic
+from hyperfab.loop.judge import Candidate, Evidence, common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem

@@ -8,8 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from hyperfab.loop.belief import allowed, explains, surprise
-from hyperfab.loop.candidate import Candidate, Evidence
-from hyperfab.loop.judge import structured
+from hyperfab.loop.judge import Candidate, Evidence, structured
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import SMALL, TOLD
 

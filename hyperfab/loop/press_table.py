@@ -15,7 +15,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import vertex_areas
-from hyperfab.pressing.growth import guide_line
+from hyperfab.pressing.mold import guide_line
 from hyperfab.pressing.sandwich import Sandwich
 
 #: Openings between the deepest and the first touch, and places the force is summed over, at most.

@@ -9,10 +9,9 @@ import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
-from hyperfab.loop.candidate import Candidate, Evidence
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import Help, help_of
-from hyperfab.loop.judge import Level, correlation_time, structured_of_each
+from hyperfab.loop.judge import Candidate, Evidence, Level, correlation_time, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.score import points_at

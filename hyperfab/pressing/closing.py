@@ -9,8 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array, Flags
 from hyperfab.pressing.balance import balance
 from hyperfab.pressing.gap import Front, axial_gap, molding_front, oblique
-from hyperfab.pressing.growth import guide_line
-from hyperfab.pressing.mold import Mold, Pose
+from hyperfab.pressing.mold import Mold, Pose, guide_line
 from hyperfab.pressing.placement import Clearance, clearance
 from hyperfab.pressing.press import Contact, Press
 from hyperfab.pressing.sandwich import Sandwich

@@ -19,8 +19,7 @@ from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import Front, Gap
-from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.mold import Pose
+from hyperfab.pressing.mold import Growth, Pose, ungrown
 from hyperfab.pressing.press import Press, contact, modes_of, stiffness
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.pressing.series import knots

@@ -117,20 +117,11 @@ class Shortcut:
     ``full`` is the mold by nodes, ``until`` [s] the end; ``always`` begins with small molds and short runs too.
     """
 
-    def __init__(
-        self,
-        full: View,
-        until: float,
-        sensors: Sequence[Array],
-        nodes: Ints,
-        *,
-        always: bool = False,
-        most: float = MOST,
-    ) -> None:
+    def __init__(self, full: View, until: float, sensors: Sequence[Array], nodes: Ints, *, always: bool) -> None:
         assert isinstance(full.model, HeatModel)
         self.model: HeatModel = full.model
         self.full, self.until, self.sensors, self.nodes = full, until, sensors, nodes
-        self.always, self.most = always, most
+        self.always = always
         self._tries = self._stretches = self._checks = self._in_full = self._vectors = self._taken_back = 0
         self._waited = self._before = 0
         self._within = self._fastest = self._begun = 0.0
@@ -184,7 +175,7 @@ class Shortcut:
         others = [one for one in self._alike.values() if one is not alike]
         error = within + self._kelvin(sum((one.found.times(one.since) for one in others), spent))
         share = HEAD_START + (1.0 - HEAD_START) * (now - self._begun) / (self.until - self._begun)
-        left = share * self.most - error
+        left = share * MOST - error
         if left < 0.0:
             return False
         self._spent, self._within = spent, within
@@ -193,7 +184,7 @@ class Shortcut:
         for one in self._alike.values():
             one.before = one.since
         self._tell(history, error)
-        self._plan(history, alike, steady, left, self.most - error)
+        self._plan(history, alike, steady, left, MOST - error)
         return True
 
     def _plan(self, history: History, alike: _Alike, steady: bool, due: float, left: float) -> None:
@@ -207,7 +198,7 @@ class Shortcut:
         # Each may be off by twice what was found; where that is steady, what comes to be due meanwhile pays for it too.
         each = 2.0 * sum(self._kelvin(one.found) for one in kinds)
         if steady:
-            each -= (1.0 - HEAD_START) * self.most * len(kinds) * took / (self.until - self._begun)
+            each -= (1.0 - HEAD_START) * MOST * len(kinds) * took / (self.until - self._begun)
         affordable = due / each if each > 0.0 else np.inf
         # Odd and even stretches take turns: levels of a schedule that come and go.
         alike.next = alike.count + int(max(1, alike.count // 8, min(8 * alike.count - 1, affordable)))

@@ -16,10 +16,10 @@ from loop.generators import fabric as truths
 from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.curve import TestCurve
 from hyperfab.loop.belief import Belief
-from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.engine import _likely, _no_worse, _pruned, close, is_no_worse
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
+from hyperfab.loop.judge import Candidate
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.search import Search

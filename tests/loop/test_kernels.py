@@ -14,11 +14,11 @@ from scipy.stats import f as fisher
 from scipy.stats import norm
 
 from hyperfab.arrays import Array
-from hyperfab.loop.candidate import Candidate
 from hyperfab.loop.dependence import dependence, period, suggestion
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.heldout import HeldOut, Help, forecast, help_of, leave_curves_out
 from hyperfab.loop.judge import (
+    Candidate,
     autocorrelation,
     common_bic,
     correlation_time,

@@ -16,8 +16,7 @@ from hyperfab.loop.catalogue.press import thickness_variation
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
-from hyperfab.pressing.growth import guide_line
-from hyperfab.pressing.mold import Pose
+from hyperfab.pressing.mold import Pose, guide_line
 
 
 def posed() -> PressProblem:

@@ -33,10 +33,9 @@ from hyperfab.loop import (
     upstream,
 )
 from hyperfab.loop.belief import belief, outweighs_something_else
-from hyperfab.loop.candidate import Evidence
 from hyperfab.loop.design import NextMeasurement
 from hyperfab.loop.heldout import HeldOut, Help, help_of
-from hyperfab.loop.judge import Judgement
+from hyperfab.loop.judge import Evidence, Judgement
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Constant, Curve

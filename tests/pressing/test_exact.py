@@ -5,7 +5,7 @@ import pytest
 
 from hyperfab.pressing.foam_law import linear
 from hyperfab.pressing.gap import axial_gap, molding_front, nearest_gap, normal_gap
-from hyperfab.pressing.growth import even_growth
+from hyperfab.pressing.mold import even_growth
 from hyperfab.pressing.placement import clearance
 from hyperfab.pressing.press import Press
 from hyperfab.pressing.sandwich import Sandwich

@@ -17,8 +17,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
-from hyperfab.pressing.growth import Growth, ungrown
-from hyperfab.pressing.mold import Mold, PressFrame, mold
+from hyperfab.pressing.mold import Growth, Mold, PressFrame, mold, ungrown
 from hyperfab.pressing.placement import clearance
 
 #: The product is what is wanted where no place that can be misses it by more [mm]; a tenth of what a gauge tells.

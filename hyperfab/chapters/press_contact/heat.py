@@ -16,8 +16,7 @@ from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid, field_among
-from hyperfab.pressing.growth import Expansion, FieldGrowth, Growth, even_growth, guide_line
-from hyperfab.pressing.mold import Mold, PressFrame
+from hyperfab.pressing.mold import Expansion, FieldGrowth, Growth, Mold, PressFrame, even_growth, guide_line
 from hyperfab.pressing.tetra import TetraMesh, at_boundary, boundary, merged, samples
 from hyperfab.pressing.thermoelastic import deform, mounting
 

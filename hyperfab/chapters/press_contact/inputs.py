@@ -23,8 +23,7 @@ from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.pressing.dense import dense
-from hyperfab.pressing.growth import Expansion
-from hyperfab.pressing.mold import PressFrame
+from hyperfab.pressing.mold import Expansion, PressFrame
 from hyperfab.pressing.placement import closing_frame
 from hyperfab.pressing.sandwich import thickness_factor, thinning_at
 from hyperfab.surface import Surface

@@ -17,8 +17,7 @@ from hyperfab.documents.foam import FoamDocument, TableLaw
 from hyperfab.errors import UsageError, placed
 from hyperfab.pressing.closing import Case as Closing
 from hyperfab.pressing.foam_law import Tempered
-from hyperfab.pressing.growth import Expansion
-from hyperfab.pressing.mold import PressFrame
+from hyperfab.pressing.mold import Expansion, PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface

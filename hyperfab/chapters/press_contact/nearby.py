@@ -17,7 +17,7 @@ from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.trend import Trend
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.growth import Expansion, even_growth, guide_line
+from hyperfab.pressing.mold import Expansion, even_growth, guide_line
 from hyperfab.pressing.nearby import Displacement, Found, Neighbourhood
 from hyperfab.pressing.sandwich import Sandwich
 

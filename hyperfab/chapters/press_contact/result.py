@@ -28,8 +28,7 @@ from hyperfab.documents.press import (
     WantedPart,
 )
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.growth import guide_line
-from hyperfab.pressing.mold import Mold, PressFrame
+from hyperfab.pressing.mold import Mold, PressFrame, guide_line
 from hyperfab.pressing.regions import regions
 from hyperfab.pressing.sandwich import State
 from hyperfab.pressing.sensitivity import Tooling, levers
