@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 
 from .depth import Cut, cut
 from .law import SpringLaw
@@ -40,11 +39,11 @@ class Answers:
     cell_stretch_weft: Array
     cell_shear: Array  # degrees off the right angle
     cell_thickness: Array  # mm
-    cell_slack: npt.NDArray[np.bool_]
-    cell_on_edge: npt.NDArray[np.bool_]  # a taut spring of the cell runs over a sharp edge of the mold
+    cell_slack: Flags
+    cell_on_edge: Flags  # a taut spring of the cell runs over a sharp edge of the mold
     contact_edges: int  # taut springs that a sharp edge of the mold carries
     slack_springs: int  # of a membrane: cells without tension in one direction or both
-    touching: npt.NDArray[np.bool_]  # (n, m) nodes on the mold
+    touching: Flags  # (n, m) nodes on the mold
     contact_force: Array  # (n, m, 3) N, of the mold on the sheet
     reaction: Array  # (n, m, 3) N, of the clamps on the sheet
     spring_energy: float  # N mm
@@ -158,7 +157,7 @@ def answers(sheet: Sheet, mold: Mold, found: Equilibrium, deepest: Cut | None = 
     )
 
 
-def on_mold(x: Array, sheet: Sheet, mold: Mold, state: State) -> npt.NDArray[np.bool_]:
+def on_mold(x: Array, sheet: Sheet, mold: Mold, state: State) -> Flags:
     """(n, m) nodes on the mold, also those that lie on a flat of it without pressing."""
     skin = np.full(x.shape[:2], TOUCHES)
     return settled(x, mold, sheet, skin, (state.clear.copy(), state.slot.copy())).contact != FREE

@@ -14,9 +14,8 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 
 from .cells import (
     bent_stiffness,
@@ -145,7 +144,7 @@ class Cells:
     cauchy: Array  # MPa, the larger principal stress
     nominal: Array  # MPa, the larger principal nominal stress
     thickness: Array  # stretch
-    wrinkled: npt.NDArray[np.bool_]  # no tension in one direction, or none at all
+    wrinkled: Flags  # no tension in one direction, or none at all
     stress_warp: Array  # (n, m) MPa
     stress_weft: Array
     law: MembraneLaw

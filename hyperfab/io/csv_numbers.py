@@ -10,8 +10,8 @@ from decimal import Decimal
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import COUNTED, Heading, unit_of
@@ -134,7 +134,7 @@ def _mark_in(cell: str) -> str:
     return "," if "," in cell else "."
 
 
-def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False) -> NDArray[np.float64]:
+def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gaps: bool = False) -> Array:
     """Return the cells under ``heading``, times ten to the power ``shift``, each the nearest double to what is written.
 
     Raises InputError naming line and column for a cell that is empty, text, NaN, infinite or too large; with ``gaps`` a
@@ -173,7 +173,7 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
 
 def quantities(
     sheet: CsvSheet, heading: Heading, kind: str, decimal: str, gaps: bool = False, name: str | None = None
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the numbers under ``heading`` in the unit of ``kind`` (see ``hyperfab.io.units.KINDS``), ``gaps`` as nan.
 
     Raises InputError where the heading has no unit though the kind has one, or a unit of another kind.
@@ -238,7 +238,7 @@ def _all_percent(cells: Sequence[str]) -> bool:
     return bool(cells) and cells[0].endswith("%") and all(cell.endswith("%") for cell in cells if cell)
 
 
-def seconds(sheet: CsvSheet, heading: Heading) -> NDArray[np.float64]:
+def seconds(sheet: CsvSheet, heading: Heading) -> Array:
     """Return a column of times of day, durations or moments as seconds from its first row, past midnight too.
 
     Raises InputError naming the cell that is none.

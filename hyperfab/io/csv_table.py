@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
 from hyperfab.io import headings as titles
 from hyperfab.io.cells import is_clock, is_number
@@ -27,19 +27,19 @@ class Table:
     """
 
     name: str
-    columns: dict[str, NDArray[np.float64]]
-    lines: NDArray[np.int64]
+    columns: dict[str, Array]
+    lines: Ints
     metadata: dict[str, str]
     left_out: Mapping[str, int] = field(default_factory=dict)
     aside: tuple[str, ...] = ()
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
 
-    def refuse(self, wrong: NDArray[np.bool_], why: str, *, column: str, remedy: str) -> None:
+    def refuse(self, wrong: Flags, why: str, *, column: str, remedy: str) -> None:
         """Raise InputError at the first row that is ``wrong`` (n,), if any is; ``{:g}`` in ``why`` is its value."""
         for row in np.flatnonzero(wrong)[:1]:
             said = why.format(self.columns[column][row]) if column in self else why
@@ -180,7 +180,7 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
     return sheet.wrong(f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}')
 
 
-def _check_increasing(sheet: CsvSheet, heading: Heading, values: NDArray[np.float64]) -> None:
+def _check_increasing(sheet: CsvSheet, heading: Heading, values: Array) -> None:
     back = np.flatnonzero(np.diff(values) <= 0.0)
     if back.size:
         row = int(back[0]) + 1

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
@@ -247,7 +246,7 @@ def _coarser(sheet: CsvSheet, columns: Roles, loadings: Iterable[Loading]) -> li
 
 def _groups(
     tests: Sequence[str], directions: Sequence[float | None], specimens: Sequence[str | None]
-) -> dict[tuple[str, float | None, str | None], NDArray[np.int64]]:
+) -> dict[tuple[str, float | None, str | None], Ints]:
     found: dict[tuple[str, float | None, str | None], list[int]] = {}
     for row, key in enumerate(zip(tests, directions, specimens, strict=True)):
         found.setdefault(key, []).append(row)

@@ -9,8 +9,8 @@ import tempfile
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 
 #: Kinds of files that are understood without further programs.
@@ -23,8 +23,8 @@ _LINES = ("line", "line3")
 class MeshFile:
     """``points`` (n, 3) in the file's unit, and ``edges`` (k, 2): those of one face alone, or else its lines."""
 
-    points: NDArray[np.float64]
-    edges: NDArray[np.int64]
+    points: Array
+    edges: Ints
 
 
 def read_mesh_file(data: bytes, name: str) -> MeshFile:
@@ -60,7 +60,7 @@ def read_mesh_file(data: bytes, name: str) -> MeshFile:
     return MeshFile(points, edges)
 
 
-def _edges(cells: list) -> NDArray[np.int64]:
+def _edges(cells: list) -> Ints:
     """Return the edges (k, 2) of exactly one face; where there are no faces the lines."""
     sides = []
     for block in cells:

@@ -8,9 +8,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
 from hyperfab.io.cells import is_clock
@@ -197,7 +196,7 @@ def _rate(sheet: CsvSheet, columns: Roles, sizes: Geometry, decimal: str, notes:
     return quantities(sheet, head, "rate", decimal, name="rate")
 
 
-def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> NDArray[np.int64] | None:
+def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Ints | None:
     column = columns.columns.get("cycle")
     entry = stated(sheet, "cycle")
     if column is not None:
@@ -231,7 +230,7 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> 
     return values.astype(np.int64)
 
 
-def _branches(sheet: CsvSheet, columns: Roles) -> NDArray[np.int64] | None:
+def _branches(sheet: CsvSheet, columns: Roles) -> Ints | None:
     texts = words_or_stated(sheet, columns, "branch")
     if all(text is None for text in texts):
         return None

@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import column_factor
@@ -48,10 +49,10 @@ class SurfaceMesh:
     are one place have no face. ``questions`` are doubts the user should hear.
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: Array
+    faces: Ints
     facets: int
-    facet_of_face: NDArray[np.int64]
+    facet_of_face: Ints
     questions: tuple[str, ...] = ()
 
 
@@ -139,7 +140,7 @@ def _check_count(count: int, name: str) -> None:
         raise InputError(f"has {count} facets, more than {MAX_FACETS}", file=name, remedy="export it coarser")
 
 
-def _ascii(data: bytes, name: str) -> NDArray[np.float64]:
+def _ascii(data: bytes, name: str) -> Array:
     found: list[tuple[bytes, ...]] = []
     place = 0
     data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -196,7 +197,7 @@ def _check_finite(corners: NDArray, name: str) -> None:
         )
 
 
-def _merge(corners: NDArray) -> tuple[NDArray, NDArray[np.int64]]:
+def _merge(corners: NDArray) -> tuple[NDArray, Ints]:
     """Return each place once, in the order of first use, and the corners' indices.
 
     Places are grouped by a hash of their bits (one sort of integers), and the groups checked; should two places
@@ -217,7 +218,7 @@ def _merge(corners: NDArray) -> tuple[NDArray, NDArray[np.int64]]:
     return points[first[order]], rank[inverse].reshape(-1, 3)
 
 
-def _size_questions(vertices: NDArray[np.float64], name: str, unit: str) -> list[str]:
+def _size_questions(vertices: Array, name: str, unit: str) -> list[str]:
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     extent = high - low
     if SIZE_RANGE[0] <= extent.max() <= SIZE_RANGE[1]:

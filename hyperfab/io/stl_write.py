@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from hyperfab.arrays import Array, Ints
 
 
-def stl_bytes(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> bytes:
+def stl_bytes(vertices: Array, faces: Ints) -> bytes:
     """Return a binary STL of ``vertices`` (n, 3) [mm] and ``faces`` (m, 3), 84 + 50 m bytes.
 
     Corners that share a vertex get the same bits, so a closed surface stays closed. Facet normals follow the

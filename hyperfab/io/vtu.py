@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hyperfab.arrays import Ints
 from hyperfab.errors import OutputError
 
 #: VTK's number of a cell type, and its corners and mid-edge nodes. Nodes come in VTK's order.
@@ -112,7 +113,7 @@ def collection(times_s: Sequence[float], files: Sequence[str]) -> bytes:
     return "\n".join([*head, *sets, "</Collection>", "</VTKFile>", ""]).encode("utf-8")
 
 
-def _cells(cells: Mapping[str, ArrayLike], points: int) -> list[tuple[str, NDArray[np.int64]]]:
+def _cells(cells: Mapping[str, ArrayLike], points: int) -> list[tuple[str, Ints]]:
     blocks = []
     for kind, given in cells.items():
         if kind not in CELL_TYPES:

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.io.vtu import CELL_TYPES
 
@@ -24,8 +25,8 @@ _MAX_BYTES = 2**31
 class Grid:
     """``points`` (n, 3), ``cells`` by type (m, nodes), and the named arrays of points and cells."""
 
-    points: NDArray[np.float64]
-    cells: dict[str, NDArray[np.int64]]
+    points: Array
+    cells: dict[str, Ints]
     point_data: dict[str, NDArray]
     cell_data: dict[str, NDArray]
 
@@ -95,7 +96,7 @@ def _array(element: ElementTree.Element | None) -> NDArray:
     return values if components == 1 else values.reshape(-1, components)
 
 
-def _cells(connectivity: NDArray, offsets: NDArray, types: NDArray, points: int) -> dict[str, NDArray[np.int64]]:
+def _cells(connectivity: NDArray, offsets: NDArray, types: NDArray, points: int) -> dict[str, Ints]:
     names = {number: (name, width) for name, (number, width) in CELL_TYPES.items()}
     if len(offsets) != len(types) or (connectivity.size and not 0 <= connectivity.min() <= connectivity.max() < points):
         raise ValueError("its cells do not fit its points")

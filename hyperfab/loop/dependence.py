@@ -6,18 +6,14 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 
 _BINS = 8
 
 
 def dependence(
-    residual: Array,
-    states: Mapping[str, Array],
-    left: Array | None = None,
-    specimens: Sequence[NDArray[np.int64]] = (),
+    residual: Array, states: Mapping[str, Array], left: Array | None = None, specimens: Sequence[Ints] = ()
 ) -> dict[str, float]:
     """Return, for each state variable, the share of the residual's variance its means in bins explain.
 

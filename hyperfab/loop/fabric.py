@@ -8,9 +8,8 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
@@ -199,7 +198,7 @@ class FabricProblem(Problem):
         return found
 
 
-def _I1(mode: NDArray[np.int64], stretch: Array, across: Array) -> Array:
+def _I1(mode: Ints, stretch: Array, across: Array) -> Array:
     """Return I1 - 3 of tests, strips as they contract at constant volume."""
     return Sheet.of(stretch, second_stretch(mode, stretch, stretch**-0.5, across)).x
 
@@ -316,5 +315,5 @@ def _best_by_law(law: Law, path: Path, stress: Array, own: Sequence[Constant], s
     values = np.array([found.material.parameters[name] for name in law.names])
     given = np.array([constant.value for constant in own])
     given[: sets * len(values)] = np.tile(values, sets)
-    held: NDArray[np.bool_] = np.array([constant.low == constant.high for constant in own])
+    held: Flags = np.array([constant.low == constant.high for constant in own])
     return (np.where(held, [constant.value for constant in own], given),)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.curve import TestCurve, sheared
 from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
@@ -98,7 +97,7 @@ def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tu
     return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
 
 
-def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> NDArray[np.bool_]:
+def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
     """Return which rows (n,) are of sheets that hang slack where they would have to push: those pulled of curves
     without readings clearly below zero, one of two axes also where it is shorter than at rest. What is thick enough
     pushes back."""

@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Form, Problem, split
 from hyperfab.numerics.gram import inverse, orthonormal
@@ -262,7 +261,7 @@ class Descent:
             self.jacobian = jacobian + np.outer(told - jacobian @ went, along / float(along @ went))
         self.exact = self.ended
 
-    def _bend(self, step: Array, normal: Array, size: Array, held: NDArray[np.bool_]) -> Array:
+    def _bend(self, step: Array, normal: Array, size: Array, held: Flags) -> Array:
         """Return what a damped step is bent by to follow a curved valley: half the geodesic acceleration.
 
         Transtrum & Sethna (2012), arXiv:1201.5885: from the second derivative along the step, one prediction more.
@@ -298,7 +297,7 @@ class Descent:
         self.jacobian = self.metric.whiten(np.where(np.isfinite(slopes), slopes, 0.0).T)
         self.serves = self.exact = True
 
-    def _step(self, normal: Array, size: Array, gradient: Array, free: NDArray[np.bool_]) -> Array:
+    def _step(self, normal: Array, size: Array, gradient: Array, free: Flags) -> Array:
         """Return the damped step of ``free`` constants; those at a bound that it would carry out of it stay there."""
         step = np.zeros_like(self.x)
         for _ in range(len(step)):

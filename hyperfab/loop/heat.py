@@ -7,9 +7,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.heat import FARTHEST_K, FASTEST_K_S, DataContext, entries
 from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
@@ -40,10 +39,10 @@ class Run:
 
     mold: ReducedMold
     times: Array
-    kept: NDArray[np.int64]
+    kept: Ints
 
     @cached_property
-    def clock(self) -> tuple[Array, NDArray[np.int64]]:
+    def clock(self) -> tuple[Array, Ints]:
         """Times to compute at, from the start of the mold's clock on and close where much happens, and the read ones.
 
         A sensor lags behind what it has seen before the first reading, and between two.
@@ -206,7 +205,7 @@ class HeatProblem(Problem):
         return found
 
 
-def _curve(name: str, first: int, times: Array, kept: NDArray[np.int64], jumps: NDArray[np.int64]) -> Curve:
+def _curve(name: str, first: int, times: Array, kept: Ints, jumps: Ints) -> Curve:
     """Return the curve of a probe whose readings would be the rows from ``first`` on, had none been missing."""
     start, stop = np.searchsorted(kept, [first, first + len(times)])
     cuts = start + np.searchsorted(kept[start:stop] - first, jumps)

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.thresholds import MOST, TOLD
 
-Rows = slice | NDArray[np.int64]
+Rows = slice | Ints
 
 
 @dataclass(frozen=True)
@@ -88,14 +87,14 @@ class Forecast:
 
 def forecast(problem: Problem, noise: Noise, found: Fit) -> Forecast:
     """Predict each test from a fit to all others: a test is all that was read of one specimen, or one probe."""
-    tests: dict[str, list[NDArray[np.int64]]] = {}
+    tests: dict[str, list[Ints]] = {}
     for number, curve in enumerate(problem.curves):
         if not curve.beforehand:
             name = curve.specimen or f"{number} {curve.name}"
             tests.setdefault(name, []).append(np.arange(curve.start, curve.stop))
     predicted, told = np.full(len(problem.measured), np.nan), []
     for name, parts in tests.items():
-        rows: NDArray[np.int64] = np.concatenate(parts)
+        rows: Ints = np.concatenate(parts)
         if len(tests) == 1 or _without(found, rows) is None:
             continue
         # A reading with no end of noise has no say.

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, fdtrc
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heldout import Forecast, HeldOut, Help, forecast, leave_curves_out
 from hyperfab.loop.noise import Noise
@@ -233,7 +232,7 @@ def prior_misfit(fitted: Fit, best: Fit, problem: Problem) -> float:
     return max(fitted.cost - fitted.chi2, 0.0) / max(best.chi2 / len(best.residual), 1.0)
 
 
-def scaled_chi2(fitted: Fit, best: Fit, channel: NDArray[np.int64]) -> float:
+def scaled_chi2(fitted: Fit, best: Fit, channel: Ints) -> float:
     """Return chi-squared with each channel's noise taken as no less than what ``best`` leaves there."""
     total = 0.0
     for which in np.unique(channel):

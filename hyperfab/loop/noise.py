@@ -6,13 +6,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Curve
 
 #: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
-Shape = tuple[NDArray[np.int64], Array, float]
+Shape = tuple[Ints, Array, float]
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,8 @@ class Noise:
     correlation: float = 0.0
     across_sd: float = 0.0
     starts: tuple[int, ...] = ()
-    groups: tuple[NDArray[np.int64], ...] = ()
-    across: tuple[NDArray[np.int64], ...] = ()
+    groups: tuple[Ints, ...] = ()
+    across: tuple[Ints, ...] = ()
     alike: tuple[tuple[int, ...], ...] = ()
     alike_across: tuple[tuple[int, ...], ...] = ()
     pattern: Array = field(default_factory=lambda: np.empty(0))
@@ -156,7 +155,7 @@ class Noise:
         found[first] = scaled[first]
         return found
 
-    def _shapes(self, groups: Sequence[NDArray[np.int64]], sd: float) -> list[Shape]:
+    def _shapes(self, groups: Sequence[Ints], sd: float) -> list[Shape]:
         """Return the rows of each group, the unit shape of what is alike in them, and how much of that is scatter."""
         pattern = self.pattern / self.sd
         if self.correlation:
@@ -171,7 +170,7 @@ class Noise:
 
 def _about_means(
     scaled: Array, shapes: Sequence[Shape], alike: Sequence[Sequence[int]], power: float
-) -> Iterator[tuple[NDArray[np.int64], Array, Array]]:
+) -> Iterator[tuple[Ints, Array, Array]]:
     """Yield the rows of each specimen, its shape, and how much of that is scatter about the mean of those led alike."""
     for which in alike:
         own = [shapes[k] for k in which]

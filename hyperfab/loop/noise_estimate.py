@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc, chdtri
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, replicates, told_apart
@@ -81,10 +80,10 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     return _with_replicates(problem, plain, louder, free)
 
 
-def _specimens(problem: Problem, channel: int) -> tuple[tuple[NDArray[np.int64], ...], tuple[tuple[int, ...], ...]]:
+def _specimens(problem: Problem, channel: int) -> tuple[tuple[Ints, ...], tuple[tuple[int, ...], ...]]:
     """Return the rows of each specimen in a channel, and which of them were tested in each way."""
     curves = [curve for curve in problem.curves if curve.channel == channel and curve.specimen]
-    groups: list[NDArray[np.int64]] = []
+    groups: list[Ints] = []
     ways: dict[tuple[str, ...], list[int]] = {}
     for key in dict.fromkeys(curve.specimen for curve in curves):
         own = [curve for curve in curves if curve.specimen == key]

@@ -9,9 +9,8 @@ from itertools import pairwise
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 
 
 @dataclass(frozen=True)
@@ -258,7 +257,7 @@ class Problem(ABC):
         return ()
 
     @property
-    def channel(self) -> NDArray[np.int64]:
+    def channel(self) -> Ints:
         """The channel (kind of reading) of each row."""
         found = np.zeros(len(self.measured), dtype=np.int64)
         for curve in self.curves:

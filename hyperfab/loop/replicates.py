@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import clearly
 from hyperfab.materials.effects.path import REVERSAL
@@ -83,7 +82,7 @@ def moving(curve: Curve) -> list[slice]:
     return going if sum(ways) >= 0.5 * reach > 0.0 else pieces
 
 
-def _ways(curve: Curve) -> list[NDArray[np.int64]]:
+def _ways(curve: Curve) -> list[Ints]:
     """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere."""
     rows = np.concatenate([np.arange(piece.start, piece.stop) for piece in moving(curve)])
     return [rows[part] for part in turns(curve.places[rows - curve.start], REVERSAL)]

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise_estimate import ASSUMED, USUAL, third_differences, winsorised
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import FEWEST, MARGIN
@@ -148,7 +147,7 @@ def _plan(away: Array) -> Array:
     return np.asarray(away @ axes[:2].T)
 
 
-def patches(places: Array, most: int = 8, least: int = 12) -> list[NDArray[np.int64]]:
+def patches(places: Array, most: int = 8, least: int = 12) -> list[Ints]:
     """Cut a cloud (n, d) into patches of neighbours, halving the widest; rows of each in order along a path.
 
     >>> [len(p) for p in patches(np.random.default_rng(0).uniform(0.0, 1.0, (96, 2)))]
@@ -167,7 +166,7 @@ def patches(places: Array, most: int = 8, least: int = 12) -> list[NDArray[np.in
     return [_path(places, part) for part in found]
 
 
-def _path(places: Array, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _path(places: Array, rows: Ints) -> Ints:
     """Order rows so that each is near the one before: always on to the nearest that is left."""
     left = list(rows[np.argsort(places[rows, 0], kind="stable")])
     path = [left.pop(0)]

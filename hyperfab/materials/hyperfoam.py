@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.materials.law import Law, Sheet, Term, Value
 
 #: The models by name, and their number of terms.
@@ -142,10 +142,10 @@ class Hyperfoam:
             found += 2.0 * mu * (np.exp(alpha * e)[:, :, None] * np.eye(3) + beta * np.exp(-alpha * beta * E))
         return found
 
-    def stable(self, e: Array) -> NDArray[np.bool_]:
+    def stable(self, e: Array) -> Flags:
         """Return whether the law is stable at each of ``e`` (n, 3): work is needed for any further change."""
         D = self.second(e)
-        known: NDArray[np.bool_] = np.all(np.isfinite(D), axis=(1, 2))
+        known: Flags = np.all(np.isfinite(D), axis=(1, 2))
         D = np.where(known[:, None, None], D, -np.eye(3))
         return np.asarray(known & np.greater(np.linalg.eigvalsh(D)[:, 0], 0.0))
 

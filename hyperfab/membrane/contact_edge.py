@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Flags, Ints
@@ -58,7 +57,7 @@ class ContactEdge:
         """Return how far (n,) [mm] points (n, 2) lie outside of the circle of the mean radius."""
         return np.asarray(np.maximum(np.hypot(points[:, 0], points[:, 1]) - self.mean, 0.0))
 
-    def encloses(self, points: Array) -> NDArray[np.bool_]:
+    def encloses(self, points: Array) -> Flags:
         """Whether points (n, 2) lie inside the curve."""
         return np.hypot(points[:, 0], points[:, 1]) < self.radius(np.arctan2(points[:, 1], points[:, 0]))
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.equilibrium import Press, State
 from hyperfab.membrane.mesh import shape_functions
@@ -39,7 +38,7 @@ def fields(sheet: Sheet, places: Array) -> Fields:
     return Fields(found.stretch, found.cauchy, sheet.thickness * found.thickness, found.nominal)
 
 
-def _worst_around(sheet: Sheet, places: Array, nodes: NDArray[np.int64], smooth: Principal) -> Principal:
+def _worst_around(sheet: Sheet, places: Array, nodes: Ints, smooth: Principal) -> Principal:
     """Return ``smooth`` with the values of the quadrature point of the largest stress around each of some nodes.
 
     Smoothing may carry a strain over the limit of a law that none of the points at which the sheet is in equilibrium

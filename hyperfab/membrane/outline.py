@@ -9,7 +9,6 @@ from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.kernels import polygon_distance
@@ -99,7 +98,7 @@ class Disc:
         """Area of the whole disc [mm²]."""
         return float(np.pi * self.radius**2)
 
-    def inside(self, points: Array, margin: Array | float = 0.0) -> NDArray[np.bool_]:
+    def inside(self, points: Array, margin: Array | float = 0.0) -> Flags:
         """Whether points lie inside by ``margin``."""
         found = np.hypot(points[:, 0], points[:, 1]) <= self.radius - margin
         return _in_quarter(found, points, margin) if self.quarter else np.asarray(found)
@@ -137,13 +136,13 @@ class Square:
         """Area of the whole square [mm²]."""
         return self.side**2
 
-    def inside(self, points: Array, margin: Array | float = 0.0) -> NDArray[np.bool_]:
+    def inside(self, points: Array, margin: Array | float = 0.0) -> Flags:
         """Whether points lie inside by ``margin``."""
         found = np.max(np.abs(points), axis=1) <= self.side / 2 - margin
         return _in_quarter(found, points, margin) if self.quarter else np.asarray(found)
 
 
-def _in_quarter(found: NDArray[np.bool_], points: Array, margin: Array | float) -> NDArray[np.bool_]:
+def _in_quarter(found: Flags, points: Array, margin: Array | float) -> Flags:
     return np.asarray(found & (points[:, 0] >= margin) & (points[:, 1] >= margin))
 
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.surface import Surface
@@ -31,7 +30,7 @@ class Nearness:
     turning: Array
     facet: Ints | None = None
 
-    def along(self, free: NDArray[np.bool_]) -> Nearness:
+    def along(self, free: Flags) -> Nearness:
         """Return the same as seen by points that may only move in their ``free`` directions (n, 3).
 
         A facet that meets a symmetry plane at a slant is there the edge of a roof: its normal lies in the plane.

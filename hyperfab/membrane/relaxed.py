@@ -18,7 +18,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.materials.orthotropic.energy import Answer, least_modulus
 from hyperfab.membrane.tension_field import SLACK, WRINKLED, Principal, Response, principal_directions
 
@@ -102,7 +102,7 @@ class RelaxedSheet:
             self._wrinkle(found, wrinkled, C[wrinkled], along + 0.5 * np.pi)
         return found
 
-    def _wrinkle(self, found: _Found, rows: NDArray[np.int64], C: Array, angle: Array) -> None:
+    def _wrinkle(self, found: _Found, rows: Ints, C: Array, angle: Array) -> None:
         """Give up what the sheet cannot press at ``rows``; ``angle`` is a first guess of n."""
         a, angle, closed = self._minimum(C, angle)
         lost = np.flatnonzero(~closed)
@@ -128,7 +128,7 @@ class RelaxedSheet:
         found.natural[rows] = natural
         found.state[rows] = WRINKLED
 
-    def _minimum(self, C: Array, angle: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def _minimum(self, C: Array, angle: Array) -> tuple[Array, Array, Flags]:
         """Return a, the angle of n, and whether no stress is left on n; Newton's method on the energy."""
         a, angle = np.zeros(len(C)), angle.copy()
         own = self.law.answer(C)

@@ -365,7 +365,7 @@ def _paces(way: Array, loading: Flags, number: Ints, time: Array | None) -> str:
     return f"; they were pulled at {one:.2g} and {two:.2g} 1/s" if told else ""
 
 
-def _apart(way: Array, stress: Array, one: NDArray[np.bool_], other: NDArray[np.bool_]) -> tuple[float, float]:
+def _apart(way: Array, stress: Array, one: Flags, other: Flags) -> tuple[float, float]:
     """Return the mean and the largest distance of two sets of rows, at the stretches both reach.
 
     The mean is a share of the peak, the largest of the larger of the two, where that is half the peak and more: what

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.errors import NotConverged
 from hyperfab.numerics.product import advance, begin, product, relax, remainder
 from hyperfab.numerics.vectors import dot, norm
@@ -40,7 +39,7 @@ def conjugate_gradients(
     matrix: sparse.csr_matrix,
     right: Array,
     preconditioner: Preconditioner,
-    free: NDArray[np.bool_] | None = None,
+    free: Flags | None = None,
     *,
     tolerance: float = 1e-10,
     iterations: int = 500,
@@ -82,7 +81,7 @@ def conjugate_gradients(
 class Direct:
     """A sparse factorisation: exact for its matrix; memory grows like n^(4/3), so for small matrices."""
 
-    def __init__(self, matrix: sparse.csr_matrix, free: NDArray[np.bool_] | None = None) -> None:
+    def __init__(self, matrix: sparse.csr_matrix, free: Flags | None = None) -> None:
         self._free = np.ones(matrix.shape[0], dtype=bool) if free is None else free
         kept = matrix[self._free][:, self._free]
         self._factor = _factorise(kept)
@@ -109,7 +108,7 @@ class TwoLevel:
         matrix: sparse.csr_matrix,
         prolongation: sparse.csr_matrix,
         coarse: Preconditioner,
-        free: NDArray[np.bool_],
+        free: Flags,
         degree: int = 2,
         largest: float | None = None,
         restriction: sparse.csr_matrix | None = None,

@@ -6,9 +6,8 @@ from dataclasses import replace
 from typing import Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.errors import NotConverged
 from hyperfab.pressing.gap import Front
 from hyperfab.pressing.mold import Pose
@@ -105,7 +104,7 @@ def _newton_step(
     residual: Array,
     force: float | None,
     frame: float | None,
-    free: NDArray[np.bool_],
+    free: Flags,
 ) -> Array:
     tangent = press.tangent(pose, here)[np.ix_(free, free)]
     if force is None and frame is not None:

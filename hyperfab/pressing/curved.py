@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.surface import Surface
 
 CREASE_DEG = 25.0
@@ -30,7 +29,7 @@ class Curving:
     normals: Array
     bulge: Array
     skew: Array
-    smooth: NDArray[np.bool_]
+    smooth: Flags
 
     @cached_property
     def room(self) -> Array:
@@ -62,7 +61,7 @@ class Curving:
         # Rays that graze the surface are not followed: the tangent plane is no guide there.
         return np.where(np.abs(slope) > 0.05, height / np.where(slope == 0.0, 1.0, slope), 0.0)
 
-    def part(self, surface: Surface, faces: NDArray[np.bool_]) -> Curving:
+    def part(self, surface: Surface, faces: Flags) -> Curving:
         """The curving of some faces, which are all of ``surface``."""
         return Curving(surface, self.normals, self.bulge[faces], self.skew[faces], self.smooth[faces])
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
 from hyperfab.pressing.curved import smooth_normals
 from hyperfab.pressing.gap import nearest_gap
@@ -54,7 +53,7 @@ def constant_gap(female: Mold, gap: float | Array) -> Design:
     return Design(vertices, male.faces, float(np.ptp(found)))
 
 
-def _refuse(faces: NDArray[np.bool_], front: Surface, what: str) -> None:
+def _refuse(faces: Flags, front: Surface, what: str) -> None:
     bad = np.flatnonzero(faces)
     if len(bad):
         worst = bad[np.argmax(front.areas[bad])]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.errors import InputError
 from hyperfab.pressing.gap import gap_towards
 from hyperfab.pressing.mold import LOOKING, Mold, PressFrame, mold
@@ -129,7 +128,7 @@ def _closes(male: Surface, female: Surface, frame: PressFrame) -> bool:
     return ahead > _AHEAD and behind < _BEHIND
 
 
-def _hits(surface: Surface, starts: Array, direction: Array, right_side: NDArray[np.bool_]) -> float:
+def _hits(surface: Surface, starts: Array, direction: Array, right_side: Flags) -> float:
     """Share of rays whose first hit is on a face of the right side."""
     _, face = surface.ray(starts, direction)
     return float(np.mean((face >= 0) & right_side[face]))

@@ -8,7 +8,7 @@ from enum import IntEnum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.pressing.curved import barycentric
@@ -106,7 +106,7 @@ class Sandwich:
         foam = np.broadcast_to(np.asarray(self.foam, dtype=float), gap.shape)
         return foam * (1.0 - np.minimum(shared.strain, 1.0)), fabric * (1.0 - np.minimum(shared.second, 1.0))
 
-    def state(self, gap: ArrayLike) -> NDArray[np.int64]:
+    def state(self, gap: ArrayLike) -> Ints:
         """State of each point: open, touching, bottomed (the law's last strain) or interfering (metal in metal)."""
         gap = np.asarray(gap, dtype=float)
         strain = self.strain(gap)
@@ -119,7 +119,7 @@ class Sandwich:
         the mold leaves them."""
         return replace(self, foam=self.foam * foam, fabric=self.fabric * fabric)
 
-    def of_vertices(self, chosen: NDArray[np.int64]) -> Sandwich:
+    def of_vertices(self, chosen: Ints) -> Sandwich:
         """The sandwich at some of the vertices it is given for."""
         return self.at(lambda values: values[chosen])
 

@@ -11,9 +11,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.report.labels import COLOURS, draw_interval, png
 
 
@@ -22,7 +21,7 @@ class Surface:
     """A surface of triangles: points (n, 3) [mm], triangles (m, 3), a value (n,) at each point."""
 
     points: Array
-    triangles: NDArray[np.int64]
+    triangles: Ints
     values: Array
 
 

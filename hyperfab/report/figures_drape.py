@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 import numpy as np
-import numpy.typing as npt
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LightSource, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.report.labels import draw_interval, png
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ class Draped:
     flat: Array
     fields: Answers
     peak: tuple[Sequence[float], Sequence[float]]
-    mold: tuple[Array, npt.NDArray[np.int64]]
+    mold: tuple[Array, Ints]
 
 
 def drape_figure(
@@ -167,7 +166,7 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     scene.view_init(38.0, -58.0)
 
 
-def _facets(corners: Array, faces: npt.NDArray[np.int64], lowest: float) -> Array:
+def _facets(corners: Array, faces: Ints, lowest: float) -> Array:
     """(f, 3, 3) facets that reach above ``lowest``, of corners put together where they are too many to draw."""
     faces = faces[corners[faces][..., 2].max(1) > lowest + 1e-9]
     cells = 60

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags
 from hyperfab.report.labels import COLOURS, png
 
 _COLOURS = (*COLOURS[:6], "#000000")
@@ -28,14 +28,14 @@ class Line:
 
     label: str
     mode: str
-    stretch: NDArray[np.float64]
-    stress: NDArray[np.float64]
-    grid: NDArray[np.float64]
-    model: NDArray[np.float64]
+    stretch: Array
+    stress: Array
+    grid: Array
+    model: Array
     predicted: bool
     unstable_from: float | None
-    expected: tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]] | None = None
-    back: NDArray[np.bool_] | None = None
+    expected: tuple[Array, Array, Array] | None = None
+    back: Flags | None = None
 
 
 def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
@@ -58,7 +58,7 @@ def fit_figure(panels: Sequence[tuple[str, Sequence[Line]]]) -> bytes:
     return png(figure)
 
 
-def _ends(measured: Sequence[NDArray[np.float64]]) -> tuple[float, float]:
+def _ends(measured: Sequence[Array]) -> tuple[float, float]:
     """Return the ends of the stress axis: a wild prediction must not squeeze the readings flat."""
     stress = np.concatenate(measured) if measured else np.zeros(1)
     low, high = min(0.0, float(stress.min())), float(stress.max())

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.report.labels import png
 
 
 def heat_figure(
     points: Array,
-    triangles: NDArray[np.int64],
+    triangles: Ints,
     temperature: Array,
     curves: Mapping[str, Array],
     times: Array,
@@ -56,7 +55,7 @@ def heat_figure(
     return png(figure)
 
 
-def _view(points: Array, triangles: NDArray[np.int64]) -> tuple[tuple[int, int], tuple[str, str]]:
+def _view(points: Array, triangles: Ints) -> tuple[tuple[int, int], tuple[str, str]]:
     """Look along the axis in which the surface faces most."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     facing = np.abs(np.cross(b - a, c - a)).sum(axis=0)

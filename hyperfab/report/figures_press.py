@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.report.labels import draw_interval, png
 
 _LIGHT = np.array([-0.35, 0.45, 0.82])
@@ -28,7 +27,7 @@ class SpottedMold:
     ``gap`` and ``pressure`` (n,), ``level`` (n,) [mm] how deep the sandwich is touched, ``areas`` (n,) [mm^2]."""
 
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: Ints
     normals: Array
     gap: Array
     pressure: Array
@@ -141,7 +140,7 @@ class FormedMold:
     ``thickness`` (n,) [mm] and, where one is wanted, by how much it is ``off`` (n,) [mm]."""
 
     vertices: Array
-    faces: NDArray[np.int64]
+    faces: Ints
     thickness: Array
     off: Array | None
     axes: tuple[str, str]

@@ -12,11 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
-
-Faces = NDArray[np.int64]
+from hyperfab.arrays import Array, Ints
 
 A_MM, B_MM, H_MM = 90.0, 80.0, 70.0
 K_LEAN, C_FULLNESS = 0.12, 0.5
@@ -32,7 +29,7 @@ class Solid:
     """A closed triangle surface with outward normals: ``vertices`` (n, 3) [mm], ``faces`` (m, 3)."""
 
     vertices: Array
-    faces: Faces
+    faces: Ints
 
 
 def male_cup(cells_u: int = 92, cells_v: int = 84) -> Solid:

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.documents.study import AxisSection, Number, SamplingSection, StudyDocument, Value
 from hyperfab.errors import InputError
 from hyperfab.io.units import is_unit
@@ -119,10 +119,10 @@ def _list(name: str, section: AxisSection, file: str, place: str) -> Axis:
     return Axis(name, unit, tuple(_written(value, unit) for value in values), drawn=False)
 
 
-def _draw(name: str, section: AxisSection, quantiles: NDArray[np.float64], file: str, place: str) -> Axis:
+def _draw(name: str, section: AxisSection, quantiles: Array, file: str, place: str) -> Axis:
     from scipy.stats import norm
 
-    values: NDArray[np.float64]
+    values: Array
     between = section.uniform or section.log_uniform
     if between is not None:
         (first, last), unit = _numbers((between.first, between.last), file, place)
@@ -145,7 +145,7 @@ def _draw(name: str, section: AxisSection, quantiles: NDArray[np.float64], file:
     return Axis(name, unit, tuple(_written(value, unit) for value in values), drawn=True)
 
 
-def _quantiles(sampling: SamplingSection, axes: int) -> NDArray[np.float64]:
+def _quantiles(sampling: SamplingSection, axes: int) -> Array:
     """Draw the unit cube; the same seed gives the same points."""
     from scipy.stats import qmc
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.documents.sweep import Effect
 from hyperfab.studies.axes import Axis
 from hyperfab.studies.table import Table
@@ -53,7 +53,7 @@ def main_effects(table: Table, axes: Sequence[Axis]) -> list[Effect]:
     return found
 
 
-def pareto_front(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.int64]:
+def pareto_front(first: Array, second: Array) -> Ints:
     """Return the rows that no other row beats: less or equal in both figures and less in one. NaN never is in front.
 
     >>> pareto_front(np.array([1.0, 2.0, 3.0, 2.0]), np.array([3.0, 2.0, 1.0, 2.5])).tolist()
@@ -71,7 +71,7 @@ def pareto_front(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDA
     return np.array(sorted(front), dtype=np.int64)
 
 
-def _levels(table: Table, axis: Axis) -> tuple[list[float | str], list[NDArray[np.bool_]]]:
+def _levels(table: Table, axis: Axis) -> tuple[list[float | str], list[Flags]]:
     column = table.columns[axis.column]
     few = len(axis.levels) <= MOST_LEVELS
     if not few and any(isinstance(level.value, str) for level in axis.levels):

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array
 from hyperfab.documents.study import LimitSection
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.studies.plan import Plan, Step
@@ -35,7 +35,7 @@ class Table:
     def __len__(self) -> int:
         return len(self.columns["case"])
 
-    def numbers(self, column: str) -> NDArray[np.float64] | None:
+    def numbers(self, column: str) -> Array | None:
         """Return a column as numbers, NaN where a cell is empty; None where it holds words."""
         cells = self.columns[column]
         if any(isinstance(cell, str) for cell in cells):

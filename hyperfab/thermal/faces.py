@@ -10,15 +10,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.errors import InputError
 from hyperfab.thermal.elements import facet_weights
 from hyperfab.thermal.geometry import DIRECTIONS, Body, Box, Geometry, Shape, Stl
 from hyperfab.thermal.mesh import HeatMesh
-
-Mask = NDArray[np.bool_]
 
 #: A face looks a way where its normal has at least this component in it (edge-on faces do not).
 FACING = 0.01
@@ -36,10 +33,10 @@ class FaceSet:
     """Facets of one name: ``mask`` (f,) over the mesh's facets, ``flip`` where the far side is the named one."""
 
     name: str
-    mask: Mask
-    flip: Mask
+    mask: Flags
+    flip: Flags
 
-    def near(self, outer: Mask) -> FaceSet:
+    def near(self, outer: Flags) -> FaceSet:
         """Return the facets of the set that are outer faces."""
         return FaceSet(self.name, self.mask & outer, self.flip)
 
@@ -74,7 +71,7 @@ class Faces:
         return float(self.areas[found.mask].sum())
 
     @cached_property
-    def cavity(self) -> Mask:
+    def cavity(self) -> Flags:
         """Facets on the walls of cavities."""
         found = np.zeros(len(self.mesh.facets.element), dtype=bool)
         for body in self.geometry.cavities:
@@ -140,7 +137,7 @@ class Faces:
             raise InputError(f"parts {first!r} and {second!r} do not touch", remedy="check their places")
         return FaceSet(f"{first}/{second}", mask, near_part == j)
 
-    def _of(self, name: str) -> tuple[Mask, Mask]:
+    def _of(self, name: str) -> tuple[Flags, Flags]:
         """Return the facets of a part, cavity or shape, and where its outside is the facet's far side."""
         never = np.zeros(len(self.mesh.facets.element), dtype=bool)
         for number, body in enumerate(self.geometry.parts):
@@ -159,27 +156,27 @@ class Faces:
                     return self._on_body(body) & self._on_shape(shape), never
         raise InputError(f"there is no face {name!r}")
 
-    def _of_part(self, number: int) -> tuple[Mask, Mask]:
+    def _of_part(self, number: int) -> tuple[Flags, Flags]:
         f = self.mesh.facets
         near = self.mesh.parts[f.element] == number
         far = ~f.outer & (self.mesh.parts[f.other] == number)
         return near | far, far & ~near
 
-    def _on_body(self, body: Body) -> Mask:
+    def _on_body(self, body: Body) -> Flags:
         found = np.zeros(len(self.mesh.facets.element), dtype=bool)
         for shape in body.shapes:
             found |= self._on_shape(shape)
         return found & self.mesh.facets.outer
 
-    def _on_shape(self, shape: Shape) -> Mask:
+    def _on_shape(self, shape: Shape) -> Flags:
         at_centre = shape.distance(self._centre)
         at_corners = shape.distance(self._corners.reshape(-1, 3)).reshape(-1, 3)
         sagitta = SAGITTA_STL if isinstance(shape, Stl) else SAGITTA
-        exact: Mask = at_centre <= self._tight
-        curved: Mask = (at_corners <= self._tight).all(axis=1) & (at_centre <= sagitta * self._size)
+        exact: Flags = at_centre <= self._tight
+        curved: Flags = (at_corners <= self._tight).all(axis=1) & (at_centre <= sagitta * self._size)
         return exact | curved
 
-    def _that_way(self, mask: Mask, flip: Mask, way: Array) -> Mask:
+    def _that_way(self, mask: Flags, flip: Flags, way: Array) -> Flags:
         """Keep facets that look ``way`` with nothing of the same body in front of them."""
         inward = np.zeros(len(mask), dtype=bool)
         on_cavity = self.cavity & mask
@@ -202,7 +199,7 @@ class Faces:
         kept[candidates[~hidden]] = True
         return kept
 
-    def _not_edge_on(self, mask: Mask, facing: Array) -> Mask:
+    def _not_edge_on(self, mask: Flags, facing: Array) -> Flags:
         """Leave out curved faces that only seem to look that way: flat facets on an upright wall lean a little."""
         face = self.mesh.facets.face
         known = mask & (face >= 0)
@@ -214,7 +211,7 @@ class Faces:
         return (face < 0) | real[np.maximum(face, 0)] if count else np.ones_like(mask)
 
 
-def _covered(points: Array, heights: Array, triangles: Array, triangle_heights: Array) -> Mask:
+def _covered(points: Array, heights: Array, triangles: Array, triangle_heights: Array) -> Flags:
     """Whether a triangle (t, 3, 2) stands higher and over each point (p, 2)."""
     covered = np.zeros(len(points), dtype=bool)
     for start in range(0, len(triangles), 256):

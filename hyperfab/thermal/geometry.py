@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 
 Vector = tuple[float, float, float]
 
@@ -134,7 +133,7 @@ class Stl:
     """
 
     vertices: Array
-    triangles: NDArray[np.int64]
+    triangles: Ints
     name: str | None = None
     fine: Stl | None = None
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.thermal.tables import Table
 
 #: The first step after a jump, as a share of the whole, and by how much each next one is longer.
@@ -41,7 +40,7 @@ def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence
     return np.concatenate([*parts, [end]])
 
 
-def _jumps(at: Array, step: float, signals: Sequence[Table]) -> NDArray[np.bool_]:
+def _jumps(at: Array, step: float, signals: Sequence[Table]) -> Flags:
     found = np.zeros(len(at), dtype=bool)
     for signal in signals:
         reach = max(float(np.ptp(signal.y)), 1e-3 * float(np.max(np.abs(signal.y))))

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.step import along
@@ -29,8 +28,8 @@ class Ledger:
     """
 
     names: list[str]
-    supplying: NDArray[np.bool_]
-    held: NDArray[np.bool_]
+    supplying: Flags
+    held: Flags
     first_stored: float
     least: float = 0.0
     entered: list[Array] = field(default_factory=list)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.surface.curve import along_a_curve
 
 #: Local vertex numbers of the six edges, in the order of the edge nodes 4 to 9 (VTK's and scikit-fem's order).
@@ -36,7 +35,7 @@ class Facets:
     face: Ints
 
     @property
-    def outer(self) -> NDArray[np.bool_]:
+    def outer(self) -> Flags:
         """Whether a facet has nothing on its other side."""
         return self.other < 0
 
@@ -55,7 +54,7 @@ class HeatMesh:
     parts: Ints
     vertices: int
     edge_ends: Ints
-    curved: NDArray[np.bool_]
+    curved: Flags
     facets: Facets
 
     @property
@@ -63,7 +62,7 @@ class HeatMesh:
         """Number of nodes of the elements; loose ones come after them."""
         return self.vertices + len(self.edge_ends)
 
-    def facet_nodes(self, which: NDArray[np.bool_] | Ints, other_side: bool = False) -> Ints:
+    def facet_nodes(self, which: Flags | Ints, other_side: bool = False) -> Ints:
         """Return the six nodes of facets (f, 6); of the ``other_side`` they are paired with the first ones."""
         f = self.facets
         nodes = self.elements[f.element[which][:, None], FACETS[f.local[which]]]
@@ -97,7 +96,7 @@ def build_mesh(
     return HeatMesh(points, elements, parts, vertices, edge_ends, curved, facets)
 
 
-def split_contacts(mesh: HeatMesh, contact: NDArray[np.bool_]) -> HeatMesh:
+def split_contacts(mesh: HeatMesh, contact: Flags) -> HeatMesh:
     """Double the nodes on the interface facets marked in ``contact``: the temperature may jump there.
 
     Nodes of two elements are one where a chain of facets without contact links them.
@@ -152,7 +151,7 @@ def _edge_ends(elements: Ints, count: int, vertices: int) -> Ints:
     return np.sort(ends, axis=1)
 
 
-def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int) -> tuple[Array, NDArray[np.bool_]]:
+def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int) -> tuple[Array, Flags]:
     """Move edge nodes back to the middle where a curved element would turn inside out."""
     middle = points[edge_ends].mean(axis=1)
     length = np.linalg.norm(points[edge_ends[:, 0]] - points[edge_ends[:, 1]], axis=1)
@@ -170,7 +169,7 @@ def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int)
     return points, off[elements[:, 4:] - vertices].any(axis=1)
 
 
-def _twisted(nodes: Array) -> NDArray[np.bool_]:
+def _twisted(nodes: Array) -> Flags:
     """Whether the Jacobian somewhere falls below a fifth of the straight element's (nodes (m, 10, 3))."""
     from hyperfab.thermal.elements import TETRAHEDRON
 
@@ -182,7 +181,7 @@ def _twisted(nodes: Array) -> NDArray[np.bool_]:
         np.cross(nodes[:, 1] - nodes[:, 0], nodes[:, 2] - nodes[:, 0]),
         nodes[:, 3] - nodes[:, 0],
     )
-    least: NDArray[np.bool_] = np.linalg.det(jacobian).min(axis=1) < 0.2 * straight
+    least: Flags = np.linalg.det(jacobian).min(axis=1) < 0.2 * straight
     return least
 
 

@@ -20,8 +20,8 @@ from dataclasses import asdict, dataclass
 from typing import IO, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError, NotConverged, UsageError
 from hyperfab.thermal import netgen_process
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Shape, Stl
@@ -55,12 +55,12 @@ class RawMesh:
     ``surface_face`` (s,) the number of the face each lies on; ``volumes`` the exact volume of each part [mm^3].
     """
 
-    points: NDArray[np.float64]
-    elements: NDArray[np.int64]
-    parts: NDArray[np.int64]
-    surface: NDArray[np.int64]
-    surface_face: NDArray[np.int64]
-    volumes: NDArray[np.float64]
+    points: Array
+    elements: Ints
+    parts: Ints
+    surface: Ints
+    surface_face: Ints
+    volumes: Array
 
 
 def expected_tetrahedra(geometry: Geometry, mesh_size: float) -> float:
@@ -85,7 +85,7 @@ def make_mesh(
     grading: float = GRADING,
     patience: float | None = None,
     waiting: Callable[[float], None] = lambda seconds: None,
-    built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
+    built: Callable[[Array], None] = lambda volumes: None,
 ) -> RawMesh:
     """Mesh the parts with tetrahedra of edge ``mesh_size`` [mm], smaller at small features.
 
@@ -120,11 +120,11 @@ def _mesh_job(geometry: Geometry, mesh_size: float, grading: float) -> bytes:
 def mesh_surface(
     surface: Stl,
     mesh_size: float,
-    sizes: NDArray[np.float64],
+    sizes: Array,
     *,
     patience: float = PATIENCE_BASE,
     waiting: Callable[[float], None] = lambda seconds: None,
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+) -> tuple[Array, Ints]:
     """Mesh a closed surface with triangles of edge ``mesh_size`` [mm], smaller near the points of ``sizes``.
 
     ``sizes`` (s, 4): x, y, z, edge length [mm]. Returns vertices and triangles. Raises as ``make_mesh`` does.
@@ -143,10 +143,7 @@ def mesh_surface(
 
 
 def _ask(
-    job: bytes,
-    limit: float,
-    waiting: Callable[[float], None],
-    built: Callable[[NDArray[np.float64]], None] = lambda volumes: None,
+    job: bytes, limit: float, waiting: Callable[[float], None], built: Callable[[Array], None] = lambda volumes: None
 ) -> dict[str, Any]:
     """Give the worker a job and return its arrays."""
     if not netgen_process.present():

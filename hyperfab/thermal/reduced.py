@@ -11,9 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
@@ -49,7 +48,7 @@ class ReducedMold:
     mass: Array
     stiffness: Array
     means: Array
-    materials: NDArray[np.int64]
+    materials: Ints
     changes: Array
     films: Sequence[Film]
     radiators: Sequence[Film]

@@ -12,9 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
 from hyperfab.thermal.geometry import Body, Geometry, Stl
@@ -135,7 +134,7 @@ def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:
     return Geometry(tuple(map(body, geometry.parts)), tuple(map(body, geometry.cavities)), geometry.patches)
 
 
-def _unspoiled(raw: RawMesh, points: Array, moved: NDArray[np.bool_], ends: Ints, middles: Ints) -> Array:
+def _unspoiled(raw: RawMesh, points: Array, moved: Flags, ends: Ints, middles: Ints) -> Array:
     """Put vertices back where elements would be squashed; edge nodes between them then follow the chord."""
     before = _volumes(raw.points, raw.elements)
     back = np.zeros(len(points), dtype=bool)
@@ -166,11 +165,11 @@ def _edge_nodes(raw: RawMesh) -> tuple[Ints, Ints]:
     return ends[first], middles
 
 
-def _on(ends: Ints, triangles: Ints) -> NDArray[np.bool_]:
+def _on(ends: Ints, triangles: Ints) -> Flags:
     """Whether an edge is one of the triangles'."""
     size = int(ends.max()) + 1
     sides = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]].reshape(-1, 2), axis=1)
-    found: NDArray[np.bool_] = np.isin(ends[:, 0] * size + ends[:, 1], sides[:, 0] * size + sides[:, 1])
+    found: Flags = np.isin(ends[:, 0] * size + ends[:, 1], sides[:, 0] * size + sides[:, 1])
     return found
 
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
 from hyperfab.surface import Soundness, Surface, consistently_wound, soundness
 from hyperfab.surface.topology import twin_edges
@@ -133,7 +132,7 @@ def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
     return int(owner[edge]), start[edge] + t[edge] * way[edge]
 
 
-def _rim(vertices: Array, triangles: Ints) -> NDArray[np.bool_]:
+def _rim(vertices: Array, triangles: Ints) -> Flags:
     """Whether a vertex lies on an open edge."""
     found = np.zeros(len(vertices), dtype=bool)
     found[_open_edges(triangles)[1].ravel()] = True
@@ -193,7 +192,7 @@ def _used(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     return vertices[used], small.reshape(-1, 3).astype(np.int64)
 
 
-def _welded(vertices: Array, triangles: Ints, distance: float, where: NDArray[np.bool_]) -> tuple[Array, Ints, float]:
+def _welded(vertices: Array, triangles: Ints, distance: float, where: Flags) -> tuple[Array, Ints, float]:
     """Make one of the vertices ``where`` that are chained by steps of ``distance``."""
     if distance > 0.0:
         chosen = np.flatnonzero(where)

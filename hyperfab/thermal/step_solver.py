@@ -8,10 +8,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import (
     Direct,
@@ -64,12 +63,7 @@ class StepSolver:
     """
 
     def __init__(
-        self,
-        mesh: HeatMesh,
-        medium: Medium,
-        faces: Sequence[Condition],
-        free: NDArray[np.bool_],
-        capacity: Array,
+        self, mesh: HeatMesh, medium: Medium, faces: Sequence[Condition], free: Flags, capacity: Array
     ) -> None:
         self.medium, self.faces, self.free, self.capacity = medium, faces, free, capacity
         self.direct = int(free.sum()) <= SMALL
@@ -174,7 +168,7 @@ class StepSolver:
         return sparse.csr_matrix(self._restriction @ (matrix @ p))
 
 
-def _degree_two_on_one(mesh: HeatMesh, free: NDArray[np.bool_]) -> sparse.csr_matrix:
+def _degree_two_on_one(mesh: HeatMesh, free: Flags) -> sparse.csr_matrix:
     """Return the prolongation from free vertices and loose nodes to free nodes: edges' are means of their ends."""
     n, v, loose = mesh.solid, mesh.vertices, len(mesh.points) - mesh.solid
     rows = np.concatenate([np.arange(v), np.repeat(np.arange(v, n), 2), n + np.arange(loose)])

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -103,7 +102,7 @@ def errors_of(
     source: str | None = None,
     whitened: tuple[Array, Array] | None = None,
     spread: Array | None = None,
-    curves: Sequence[NDArray[np.int64]] = (),
+    curves: Sequence[Ints] = (),
     delivered: Array | None = None,
 ) -> Errors:
     """Return the residual's size before and after, beside that of the noise.
@@ -142,7 +141,7 @@ def _judged(judgement: Judgement) -> dict[str, Any]:
     return {name: getattr(judgement, name) for name in Judged.model_fields}
 
 
-def _of_first(problem: Problem) -> list[NDArray[np.int64]]:
+def _of_first(problem: Problem) -> list[Ints]:
     """Return, for each curve of the first channel, where its rows stand among those of that channel."""
     place = np.cumsum(problem.channel == 0) - 1
     return [place[curve.rows] for curve in problem.curves if curve.channel == 0]

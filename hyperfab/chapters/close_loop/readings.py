@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array, Flags, Ints
@@ -158,7 +157,7 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, al
     return table
 
 
-def _rows(table: Table, kept: NDArray[np.int64]) -> Table:
+def _rows(table: Table, kept: Ints) -> Table:
     columns = {name: values[kept] for name, values in table.columns.items()}
     return replace(table, columns=columns, lines=table.lines[kept])
 
@@ -231,16 +230,14 @@ def set_apart(problem: Any, files: Sequence[File]) -> Apart:
     return Apart(problem, slice(len(problem.measured) - len(values), None), values)
 
 
-def _loudness(
-    measured: Array, group: Sequence[tuple[NDArray[np.int64], Guess]]
-) -> list[tuple[NDArray[np.int64], Array, float]]:
+def _loudness(measured: Array, group: Sequence[tuple[Ints, Guess]]) -> list[tuple[Ints, Array, float]]:
     """Return rows, standard deviation of each, and its degrees of freedom for files of one kind."""
     every = np.concatenate([rows for rows, _ in group])
     top = float(np.max(np.abs(measured[every]), initial=0.0))
     sizes, ratio = loudness([guess for _, guess in group], top)
     dof = np.array([guess.dof for _, guess in group])
 
-    def shaped(rows: NDArray[np.int64], size: float) -> Array:
+    def shaped(rows: Ints, size: float) -> Array:
         return np.asarray(size * np.hypot(1.0, ratio * measured[rows] / max(top, 1e-300)))
 
     if alike(sizes, dof):

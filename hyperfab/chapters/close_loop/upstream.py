@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.cases.case import Case
 from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import errors_of
@@ -112,12 +111,7 @@ def follow(chain: Chain, readings: Sequence[Any], read: Readings) -> tuple[Trace
 
 
 def add(
-    out: Output,
-    result: LoopDocument,
-    chain: Chain,
-    readings: Sequence[Any],
-    read: Readings,
-    first: NDArray[np.bool_],
+    out: Output, result: LoopDocument, chain: Chain, readings: Sequence[Any], read: Readings, first: Flags
 ) -> list[str]:
     """Trace the misfit, say it in ``result``, and queue the corrected document; return what is to be said.
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_mesh
 from hyperfab.errors import InputError, UsageError
@@ -137,7 +136,7 @@ def _checked(loop: Array, name: str, size: float | None) -> Polygon:
     return found
 
 
-def _between(loop: Array) -> NDArray[np.bool_]:
+def _between(loop: Array) -> Flags:
     """Whether points lie straight between their neighbours: they say nothing of the outline."""
     back, on = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     turn = back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0]

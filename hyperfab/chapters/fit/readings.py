@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.fit.identify import near_zero
 from hyperfab.chapters.fit.prepare import Steps, prepare, settled
 from hyperfab.chapters.look import per_width, remarks, understood, unused_columns
@@ -211,7 +210,7 @@ def _temperatures(tests: Sequence[TestData]) -> list[Cluster]:
     return [(float(part[0]), float(part[-1]), round(float(part.mean()), 1)) for part in parts]
 
 
-def _by_temperature(test: TestData, clusters: Sequence[Cluster]) -> list[tuple[float | None, NDArray[np.int64]]]:
+def _by_temperature(test: TestData, clusters: Sequence[Cluster]) -> list[tuple[float | None, Ints]]:
     if test.temperature_degC is None:
         return [(None, np.arange(len(test.stretch)))]
     number = np.searchsorted([high for _, high, _ in clusters], test.temperature_degC)
@@ -232,7 +231,7 @@ def _without_zeros(curve: TestCurve, left_out: Counter[str], noise: float | None
     """
     floor = near_zero(curve, noise)
 
-    def nothing(stress: Array) -> NDArray[np.bool_]:
+    def nothing(stress: Array) -> Flags:
         return np.asarray((np.abs(stress) <= ZERO * float(np.abs(stress).max(initial=0.0))) & (floor == 0.0))
 
     zero = nothing(curve.stress)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Flags
 from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.mold import FacesInBox, HeaterSection, MoldDocument, Place
 from hyperfab.errors import InputError, placed
@@ -19,8 +19,6 @@ from hyperfab.thermal.geometry import Box
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.tables import Table
-
-Mask = NDArray[np.bool_]
 
 
 @dataclass(eq=False)
@@ -68,7 +66,7 @@ class Placing:
         """Return what heats and cools: heaters, films, radiation, joints; after ``prescribed``."""
         document = self.document
         outer = self.mesh.facets.outer
-        taken: dict[str, Mask] = {}
+        taken: dict[str, Flags] = {}
         explicit: list[tuple[str, FaceSet]] = []
         for kind in ("heater", "convection", "radiation", "insulated"):
             mine = []
@@ -120,7 +118,7 @@ class Placing:
             self._use(name, near.area)
         return conditions
 
-    def _films(self, base: str, mask: Mask, made: Callable[[str, FacetOperator], Condition]) -> list[Condition]:
+    def _films(self, base: str, mask: Flags, made: Callable[[str, FacetOperator], Condition]) -> list[Condition]:
         """Return a condition on faces that see the air; where pieces lie it acts between them alone."""
         found: list[Condition] = []
         for name, mine in ((base, mask & ~self.covered), (f"{base}, between pieces", mask & self.covered)):
@@ -181,7 +179,7 @@ class Placing:
         power = power or Table.constant(section.power or 0.0)
         return Heater(name, operator.mean_weights, power)
 
-    def _with_exposed(self, key: str, places: list[Place], by_key: dict[str, FaceSet]) -> Mask:
+    def _with_exposed(self, key: str, places: list[Place], by_key: dict[str, FaceSet]) -> Flags:
         mask = np.zeros(len(self.mesh.facets.element), dtype=bool)
         if key in by_key:
             mask |= by_key[key].mask
@@ -196,7 +194,7 @@ class Placing:
             mask |= self.exposed
         return mask
 
-    def refuse_overlap(self, masks: list[tuple[str, Mask]]) -> None:
+    def refuse_overlap(self, masks: list[tuple[str, Flags]]) -> None:
         """Refuse two conditions of a kind on one facet."""
         for i, (key, mask) in enumerate(masks):
             for other, earlier in masks[:i]:
@@ -209,7 +207,7 @@ class Placing:
                         remedy="each face takes one condition of a kind",
                     )
 
-    def _refuse_held(self, key: str, mask: Mask) -> None:
+    def _refuse_held(self, key: str, mask: Flags) -> None:
         if (mask & self.held).any():
             raise InputError(
                 "these faces have their temperature held: the two contradict each other",
@@ -218,7 +216,7 @@ class Placing:
                 remedy="take one of the two out",
             )
 
-    def _refuse_contradiction(self, taken: dict[str, Mask]) -> None:
+    def _refuse_contradiction(self, taken: dict[str, Flags]) -> None:
         for key, mask in taken.items():
             if not key.startswith("insulated"):
                 continue

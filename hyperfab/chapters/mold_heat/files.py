@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.mold_heat.problem import Problem
 from hyperfab.chapters.mold_heat.production import pieces_csv
 from hyperfab.chapters.uncertainty.carry import Sure
@@ -111,7 +111,7 @@ def _history(problem: Problem, history: History) -> bytes:
     return csv_bytes(header, list(zip(*columns, strict=True)))
 
 
-def _work_surface(problem: Problem, temperature: Array) -> tuple[Array, NDArray[np.int64], Array]:
+def _work_surface(problem: Problem, temperature: Array) -> tuple[Array, Ints, Array]:
     """Return nodes [mm], flat triangles (four a facet) and temperatures of the work surface, or of all outer faces."""
     if problem.work_surface is not None:
         nodes = problem.work_surface.nodes

@@ -6,9 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.press_contact.formed import Formed, Wanted, place
 from hyperfab.chapters.press_contact.formed import part_of as formed_part
 from hyperfab.chapters.press_contact.model import Model
@@ -284,7 +283,7 @@ def _nearest(vertices: Array, point: Array) -> int:
     return int(np.argmin(((vertices - point) ** 2).sum(axis=1)))
 
 
-def _state_areas(states: NDArray[np.int64], area: Array, closed: Closed, molding: NDArray[np.bool_]) -> StateAreas:
+def _state_areas(states: Ints, area: Array, closed: Closed, molding: Flags) -> StateAreas:
     touching = float(closed.touching[molding].sum())
     bottomed = float(area[states == State.BOTTOMED].sum())
     interfering = float(area[states == State.INTERFERING].sum())

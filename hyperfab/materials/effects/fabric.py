@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Flags
 from hyperfab.materials.effects import (
     anisotropy,
     compressibility,
@@ -74,7 +74,7 @@ class Fabric:
     path: Path
     reference_degC: float = 20.0
     speed: Array | None = None
-    hang: NDArray[np.bool_] | None = None
+    hang: Flags | None = None
     _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
     _foams: dict[tuple[object, ...], Array] = field(default_factory=dict)
     _last: tuple[tuple[object, ...], Array, Array, Array] = field(
@@ -309,7 +309,7 @@ class Fabric:
         return stress, energy, across
 
     @cached_property
-    def _of_each_mode(self) -> list[tuple[int, NDArray[np.bool_]]]:
+    def _of_each_mode(self) -> list[tuple[int, Flags]]:
         return [(int(mode), self.path.mode == mode) for mode in np.unique(self.path.mode)]
 
     def _answer_of_foam(

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hyperfab.arrays import Flags, Ints
 from hyperfab.materials.law import Array
 from hyperfab.numerics.doubt import pace
 from hyperfab.numerics.hygiene import branches
@@ -41,13 +41,13 @@ class Path:
     """
 
     starts: tuple[int, ...]
-    mode: NDArray[np.int64]
+    mode: Ints
     stretch: Array
     across: Array
     time_s: Array
     temperature_degC: Array
     angle_deg: Array
-    branch: NDArray[np.int64]
+    branch: Ints
 
     @cached_property
     def curves(self) -> list[slice]:
@@ -70,7 +70,7 @@ class Path:
         )
 
     @cached_property
-    def pressed(self) -> NDArray[np.bool_]:
+    def pressed(self) -> Flags:
         """Rows of tests that go farther to shorter than to longer stretches."""
         found = np.zeros(len(self.stretch), dtype=bool)
         for rows in self.curves:
@@ -106,7 +106,7 @@ class Path:
         return replace(self, stretch=self.mirrored(self.stretch), branch=self.up)
 
     @cached_property
-    def up(self) -> NDArray[np.int64]:
+    def up(self) -> Ints:
         """+1 on the way away from rest, longer or shorter, and in waits there, -1 on the way back."""
         found = np.ones(len(self.stretch), dtype=np.int64)
         for rows in self.curves:
@@ -119,7 +119,7 @@ class Path:
         return found
 
     @cached_property
-    def longer(self) -> NDArray[np.int64]:
+    def longer(self) -> Ints:
         """+1 where the stretch grows, -1 where it shrinks: the way a specimen is led, pulled or pressed."""
         found = self.up.copy()
         for rows in self.curves:
@@ -160,7 +160,7 @@ class Path:
         return found
 
     @cached_property
-    def turn(self) -> NDArray[np.int64]:
+    def turn(self) -> Ints:
         """Row of the last turn from loading to unloading, -1 while loading."""
         found = np.full(len(self.stretch), -1, dtype=np.int64)
         for rows in self.curves:
@@ -212,7 +212,7 @@ class Path:
         return found
 
     @cached_property
-    def still(self) -> NDArray[np.bool_]:
+    def still(self) -> Flags:
         """Rows that stand in a hold of their test."""
         return np.concatenate([held(self.moved(rows), self.time_s[rows]) for rows in self.curves])
 
@@ -222,7 +222,7 @@ class Path:
         return bool(np.all(np.isfinite(self.time_s)))
 
 
-def second_stretch(mode: NDArray[np.int64], stretch: Array, strip: Array, side: Array) -> Array:
+def second_stretch(mode: Ints, stretch: Array, strip: Array, side: Array) -> Array:
     """Return the stretch across the pull: ``strip`` of uniaxial rows, as along it where both axes go alike, 1 where the
     sheet is held across, else ``side``.
 
@@ -243,7 +243,7 @@ def moving(stretch: Array, across: Array) -> Array:
     return across if float(np.ptp(across)) > float(np.ptp(stretch)) else stretch
 
 
-def held(stretch: Array, clock: Array) -> NDArray[np.bool_]:
+def held(stretch: Array, clock: Array) -> Flags:
     """Return which rows stand in a hold: about the same stretch for several rows, more than digits would repeat.
 
     A machine that holds wobbles: the stretch stays in a narrow band, for far longer than the test takes to cross it.

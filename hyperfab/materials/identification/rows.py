@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Flags, Ints
 from hyperfab.curve import TestCurve, share_of_shear
 from hyperfab.materials.law import Array, Extent, Sheet
 from hyperfab.materials.modes import SIMPLE_SHEAR, second_stretch, way
@@ -27,10 +28,10 @@ class Rows:
     second: Array
     stress: Array
     weight: Array
-    uniaxial: NDArray[np.bool_]
-    along: NDArray[np.int64]
-    curve: NDArray[np.int64]
-    group: NDArray[np.int64]
+    uniaxial: Flags
+    along: Ints
+    curve: Ints
+    group: Ints
     share: Array
     _cache: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 

@@ -12,9 +12,9 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from hyperfab.arrays import Ints
 from hyperfab.materials.law import Array
 
 #: Where intervals are to cover: both tails of 95 %.
@@ -53,7 +53,7 @@ class Weighed:
     jacobian: Array
     residual: Array
     model: Array
-    curve: NDArray[np.int64]
+    curve: Ints
 
 
 def by_specimen(

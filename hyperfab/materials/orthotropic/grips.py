@@ -12,10 +12,9 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.materials.orthotropic.energy import Orthotropic
 from hyperfab.materials.orthotropic.specimen import Frame, strip
@@ -72,7 +71,7 @@ def stiffening(law: Orthotropic, angle_deg: float, aspect: float, stretch: Array
     frame = Frame.at(np.full(lam.size * len(weights), angle_deg))
     sides = np.stack([frame.tt, frame.nn, frame.tn], axis=1)[: len(weights)]
 
-    def at(a: Array, rows: NDArray[np.int64]) -> tuple[Array, Array, Array, Array]:
+    def at(a: Array, rows: Ints) -> tuple[Array, Array, Array, Array]:
         """Energy (k,), its slopes (k, dofs), its curvature (k, dofs, dofs), and its slope by the stretch (k,)."""
         h = np.einsum("qid,kd->kqi", shapes, a)
         long, thin, slip, wide = lam[rows, None] + h[..., 0], h[..., 1], h[..., 2], 1.0 + h[..., 3]

@@ -6,9 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.curve import TestCurve
 from hyperfab.materials.orthotropic.energy import Orthotropic
 from hyperfab.materials.orthotropic.specimen import Frame
@@ -25,7 +24,7 @@ def across(test: TestCurve) -> Array:
 class Rows:
     """The rows of several tests of one kind; ``second`` says where a second measured value is."""
 
-    curve: NDArray[np.int64]
+    curve: Ints
     angle: Array
     stretch: Array
     stress: Array
@@ -33,7 +32,7 @@ class Rows:
     stretch2: Array
     stress2: Array
     weight2: Array
-    second: NDArray[np.bool_]
+    second: Flags
 
     @classmethod
     def of(cls, tests: Sequence[tuple[int, TestCurve]]) -> Rows:
@@ -76,7 +75,7 @@ class Gathered:
         )
 
     @property
-    def curve(self) -> NDArray[np.int64]:
+    def curve(self) -> Ints:
         """The number of each equation's test."""
         parts = [(rows.curve, rows.curve[rows.second]) for rows in (self.strips, self.held)]
         return np.concatenate([part for pair in parts for part in pair])

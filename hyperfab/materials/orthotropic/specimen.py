@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.materials.material import Uniaxial
 from hyperfab.materials.orthotropic.energy import Answer, Orthotropic, least_modulus
 
@@ -63,7 +63,7 @@ class Strip:
     shear: Array
     strain: Array
     answer: Answer
-    closed: NDArray[np.bool_]
+    closed: Flags
 
 
 def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Strip | None = None) -> Strip:
@@ -84,7 +84,7 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
     if near is not None:
         y = np.stack([near.width**2, near.shear * lam * near.width], axis=1)
 
-    def at(y: Array, rows: NDArray[np.int64]) -> tuple[Array, Answer, Array]:
+    def at(y: Array, rows: Ints) -> tuple[Array, Answer, Array]:
         part = Frame(frame.tt[rows], frame.nn[rows], frame.tn[rows])
         C = part.strain(lam[rows] ** 2, y[:, 0], y[:, 1])
         found = law.answer(C)

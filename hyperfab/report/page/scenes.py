@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hyperfab.arrays import Array, Ints
 from hyperfab.io.vtu_read import Grid, field_among, read_vtu
 from hyperfab.report.page.parts import Scene, Source, rounded
 
@@ -29,10 +30,10 @@ class Surface:
     (0: every point is where the grid has it).
     """
 
-    points: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    origin: NDArray[np.int64]
-    cells: NDArray[np.int64]
+    points: Array
+    triangles: Ints
+    origin: Ints
+    cells: Ints
     moved_mm: float = 0.0
     whole: int = 0
 
