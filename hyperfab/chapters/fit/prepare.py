@@ -27,6 +27,9 @@ _HELD, _GONE, _STILL = 0.5, 0.05, 0.003
 #: The slope at a preload is that of the rows up to so many times it, or one more where they do not go on to so many
 #: times it, and of so many rows at least.
 _TANGENT, _RISES, _TANGENT_ROWS = 3.0, 1.5, 3
+#: Columns of which a resampled test has the means, and those of which it has what the first row tells.
+_MEANS = ("stretch", "stress", "stretch2", "stress2", "stress_sd", "time_s", "temperature_degC", "rate_1_s")
+_FIRSTS = ("lines", "branch", "cycle")
 #: A specimen that was mounted under load was no more than so many times as long as at rest, nor as short.
 _MOUNTED = 2.0
 
@@ -280,48 +283,20 @@ def _resampled(curve: TestData, points: int) -> TestData:
     """Return each branch as means of the readings around ``points`` stretches: every stretch counts the same."""
     branch = branch_of(curve)
     parts = [_means(curve.take(np.flatnonzero(branch == side)), points) for side in (1, -1) if (branch == side).any()]
-    if len(parts) == 1:
-        return parts[0]
-    first, second = parts
-
-    def joined(name: str) -> Any:
-        one, two = getattr(first, name), getattr(second, name)
-        return None if one is None or two is None else np.concatenate([one, two])
-
-    names = (
-        "stretch", "stress", "stretch2", "stress2", "stress_sd", "time_s", "temperature_degC", "rate_1_s",
-        "lines", "branch", "cycle",
-    )  # fmt: skip
-    columns: dict[str, Any] = {name: joined(name) for name in names}
-    return replace(first, **columns)
+    joined: dict[str, Any] = {}
+    for name in (*_MEANS, *_FIRSTS):
+        columns = [getattr(part, name) for part in parts]
+        joined[name] = None if any(column is None for column in columns) else np.concatenate(columns)
+    return replace(parts[0], **joined)
 
 
 def _means(curve: TestData, points: int) -> TestData:
     low, high = float(curve.stretch.min()), float(curve.stretch.max())
     number = np.minimum(((curve.stretch - low) / max(high - low, 1e-300) * points).astype(int), points - 1)
-    used = np.unique(number)
-
-    def mean(column: Array | None) -> Array | None:
-        return None if column is None else np.array([column[number == k].mean() for k in used])
-
-    def first(column: Ints | None) -> Ints | None:
-        return None if column is None else np.array([column[number == k][0] for k in used])
-
-    stretch, stress, lines = mean(curve.stretch), mean(curve.stress), first(curve.lines)
-    assert stretch is not None
-    assert stress is not None
-    assert lines is not None
-    return replace(
-        curve,
-        stretch=stretch,
-        stress=stress,
-        stretch2=mean(curve.stretch2),
-        stress2=mean(curve.stress2),
-        stress_sd=mean(curve.stress_sd),
-        time_s=mean(curve.time_s),
-        temperature_degC=mean(curve.temperature_degC),
-        rate_1_s=mean(curve.rate_1_s),
-        lines=lines,
-        branch=first(curve.branch),
-        cycle=first(curve.cycle),
-    )
+    rows = [np.flatnonzero(number == k) for k in np.unique(number)]
+    told = {name: column for name in (*_MEANS, *_FIRSTS) if (column := getattr(curve, name)) is not None}
+    columns: dict[str, Any] = {
+        name: np.array([column[own].mean() if name in _MEANS else column[own[0]] for own in rows])
+        for name, column in told.items()
+    }
+    return replace(curve, **columns)
