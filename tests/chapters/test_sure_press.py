@@ -121,6 +121,8 @@ def test_between_plates_the_probability_of_touching_and_the_fields_are_exact(way
     if way == "linear":
         # p = E (1 - gap / foam): by its three inputs.
         by = [modulus / foam * 0.1, modulus * gap / foam**2 * 0.2, 0.1 * modulus * (1.0 - gap / foam)]
+        of_gap_and_foam = np.hypot(0.1 / foam, gap / foam**2 * 0.2)
+        assert grid.point_data["compression_sd"][0] == pytest.approx(of_gap_and_foam, rel=0.03)
         # The foam's own sd takes it through the touch: within it the pressure bends.
         assert grid.point_data["pressure_MPa_sd"][0] == pytest.approx(np.linalg.norm(by), rel=0.03)
 

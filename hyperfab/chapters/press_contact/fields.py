@@ -59,8 +59,7 @@ def _sure_fields(told: PressResult, sure: Mapping[str, Array]) -> dict[str, Arra
     never = np.where(sd > 0.0, sd, 1.0)
     touches = np.where(sd > 0.0, ndtr(room / never), (room > 0.0).astype(float))
     return {
-        "gap_mm_sd": sure["gap_mm"],
-        "pressure_MPa_sd": sure["pressure_MPa"],
+        **{f"{name}_sd": sure[name] for name in ("gap_mm", "compression", "pressure_MPa")},
         "touch_probability": touches,
     }
 

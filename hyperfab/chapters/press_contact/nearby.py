@@ -128,7 +128,7 @@ class Beside(Nearby):
         return found, sandwich, replace(model, case=case, files=files, grown=(hot[0], hot[1]))
 
     def at(self, changes: Changes) -> Answer:
-        found, _ = self.close(changes)
+        found, sandwich = self.close(changes)
         touched = found.totals.touched
         return Answer(
             {
@@ -143,7 +143,12 @@ class Beside(Nearby):
                 "stroke_mm": found.stroke,
                 "energy_J": 1e-3 * found.totals.energy,
             },
-            {"gap_mm": found.gap, "pressure_MPa": found.pressure, ROOM: found.thickness - found.touch},
+            {
+                "gap_mm": found.gap,
+                "compression": sandwich.strain(found.gap),
+                "pressure_MPa": found.pressure,
+                ROOM: found.thickness - found.touch,
+            },
         )
 
 
