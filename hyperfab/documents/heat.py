@@ -10,6 +10,17 @@ from hyperfab.documents.base import Part, optional
 from hyperfab.documents.uncertainty import Computed
 
 
+class RunPart(Part):
+    """What was run of the mold document, defaults included; what the command was asked for stands beside."""
+
+    start_degC: float | None = optional("absent where the start is the end of an earlier run")
+    target_degC: float | None = None
+    until_s: float | None = None
+    mesh_size_mm: float | None = None
+    steady: bool | None = None
+    tolerance_K: float | None = optional("of a step in time")
+
+
 class ProbeResult(Part):
     """One probe; its curve is a column of the CSV."""
 
@@ -195,4 +206,5 @@ class HeatDocument(Computed):
     coldest: Extreme | None = None
     flux_max_W_m2: float | None = None
     notes: list[str] = Field(default_factory=list, description="what was doubted, repaired or meshed anew")
+    setup: RunPart | None = None
     switches_s: list[float] | None = None

@@ -89,6 +89,12 @@ def test_document_follows_its_schema(plate):
     jsonschema.validate(plate[1], schema("heat"))
 
 
+def test_the_setup_tells_what_was_run_with_its_defaults(plate):
+    told = {key: plate[1]["setup"].get(key) for key in ("start_degC", "target_degC", "until_s", "mesh_size_mm")}
+    assert told == {"start_degC": 25.0, "target_degC": None, "until_s": 300.0, "mesh_size_mm": 25.0}
+    assert (plate[1]["setup"]["steady"], plate[1]["setup"]["tolerance_K"]) == (False, 0.1)
+
+
 def test_power_less_losses_is_stored(plate):
     _, document = plate
     energy = document["energy"]

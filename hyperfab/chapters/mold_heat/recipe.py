@@ -21,8 +21,8 @@ from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, var
 from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.chapters.uncertainty.sources import Origins, of_films, origins
 from hyperfab.console import Advance
-from hyperfab.documents.heat import Design, HeatDocument
-from hyperfab.documents.mold import MoldDocument
+from hyperfab.documents.heat import Design, HeatDocument, RunPart
+from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.documents.uncertainty import figures_of
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.numerics.vectors import dot
@@ -102,6 +102,15 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     note_ranges(job, mold, builder.tables, reached, history.states.times)
     result.design = chosen
     result.notes = builder.doubts + problem.notes
+    asked_run = document.run
+    result.setup = RunPart(
+        start_degC=None if isinstance(asked_run.start, EarlierField) else asked_run.start,
+        target_degC=asked_run.target,
+        until_s=asked_run.until,
+        mesh_size_mm=asked_run.mesh_size,
+        steady=asked_run.steady,
+        tolerance_K=asked_run.tolerance,
+    )
     _say(job, result, document.run.target)
     sure = Sure()
     if result.converged:
