@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 #: What stands before the ending of a sibling whose own name is an input: ``k17.out.csv`` beside ``k17.csv``.
 BESIDE_INPUT = ".out"
 #: The first line of a table that hf writes: names whose unit stands in them.
-_OWN_HEAD = re.compile(rb"([A-Za-z][\w.+-]*(,[\w.+-]*)*)?\r?\n?")
+_OWN_HEAD = re.compile(rb"[A-Za-z][\w.+-]*(,[\w.+-]*)*")
+#: A row that a machine or a logger writes, in either decimal, and how much of a file is searched for one.
+_NUMBERS, _LOOKED_AT = re.compile(rb"\s*-?\d[-+.\dEe:]*(\s*[,;\t]\s*-?[-+.\dEe]+)+\s*"), 65536
 
 
 class Output:
@@ -121,12 +123,14 @@ class Output:
         return path
 
     def _is_foreign(self, path: Path) -> bool:
-        """Whether a table stands at ``path`` that hf did not write: no document lists it, nor does its head say so."""
+        """Whether a table of numbers stands at ``path`` that hf did not write: no document lists it, nor is its head
+        one of hf's."""
         if not path.is_file():
             return False
         with path.open("rb") as file:
-            head = file.readline(65536)
-        return not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
+            head, *rows = file.read(_LOOKED_AT).splitlines() or [b""]
+        of_numbers = any(_NUMBERS.fullmatch(row) for row in rows)
+        return of_numbers and not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
 
     def _refuse(self, path: Path, inputs: Inputs) -> None:
         if is_input(path, inputs):
