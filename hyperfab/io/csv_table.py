@@ -95,6 +95,12 @@ def read_table(
         for heading in _others(sheet, taken, rest):
             # Of what the command line says to be of that kind the title still tells whose it is.
             told = titles.heading(heading.title, heading.index) if heading.name == rest else heading
+            if told.label.casefold() in map(str.casefold, wanted):
+                raise sheet.wrong(
+                    f"is {told.label}, as another column is",
+                    heading,
+                    remedy="name one for another, or leave one out with =aside",
+                )
             wanted[told.label] = (heading, rest)
         probes = {one.casefold() for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and one.name in probes]

@@ -13,8 +13,8 @@ from hyperfab.io.headings import KIND, Heading, beside, heading, is_of
 from hyperfab.io.units import is_unit
 
 _ASIDE = ("aside", "ignore", "none", "-")
-_ENTRY = re.compile(
-    r"\s*(?:\"(?P<quoted>[^\"]*)\"|(?P<title>.+?))\s*=\s*(?P<sign>-?)(?P<name>[A-Za-z][A-Za-z ]*?(?: ?[12])?|-)"
+_ENTRY = (
+    r"\s*(?:\"(?P<quoted>[^\"]*)\"|(?P<title>.+?))\s*=\s*(?P<sign>-?)(?P<name>{own}[A-Za-z][A-Za-z ]*?(?: ?[12])?|-)"
     r"\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<round>[^)]*)\))?\s*(?:,|;|$)"
 )
 
@@ -75,8 +75,11 @@ class Layout:
 PLAIN = Layout()
 
 
-def layout(columns: Sequence[str] = (), skip_rows: int | None = None, decimal: str | None = None) -> Layout:
-    """Read the options as typed; UsageError where one cannot be meant.
+def layout(
+    columns: Sequence[str] = (), skip_rows: int | None = None, decimal: str | None = None, own: Sequence[str] = ()
+) -> Layout:
+    """Read the options as typed; UsageError where one cannot be meant. ``own`` are names that columns may have beside
+    those of the dictionary: the probes of a mold.
 
     >>> layout(["Standardkraft=force [N],Weg, korr.=-extension [mm]"]).columns[1]
     Choice(title='Weg, korr.', name='extension', unit='mm', minus=True)
@@ -85,16 +88,17 @@ def layout(columns: Sequence[str] = (), skip_rows: int | None = None, decimal: s
         raise UsageError(f"--skip-rows {skip_rows}: a number of lines, as 12")
     if decimal is not None and decimal not in (".", ","):
         raise UsageError(f"--decimal {decimal}: the decimal mark is . or ,")
-    return Layout(tuple(one for text in columns for one in _choices(text)), skip_rows, decimal)
+    return Layout(tuple(one for text in columns for one in _choices(text, own)), skip_rows, decimal)
 
 
-def _choices(text: str) -> list[Choice]:
+def _choices(text: str, own: Sequence[str]) -> list[Choice]:
     found, place = [], 0
+    entry = re.compile(_ENTRY.format(own="".join(f"{re.escape(one)}|" for one in own)), re.IGNORECASE)
     while place < len(text):
-        match = _ENTRY.match(text, place)
-        name = None if match is None else _name(match["name"])
+        match = entry.match(text, place)
+        name = None if match is None else _name(match["name"], own)
         if match is None or name is None:
-            known = ", ".join([*COLUMNS, "aside"])
+            known = ", ".join([*own, *COLUMNS, "aside"])
             raise UsageError(
                 f'--columns {text}: write it as in --columns "Standardkraft=force [N],Weg=extension '
                 f'[mm]"; names are {known}'
@@ -109,8 +113,11 @@ def _choices(text: str) -> list[Choice]:
     return found
 
 
-def _name(text: str) -> str | None:
-    """Return the name of a column as the dictionary has it, with the number of its axis where there is one."""
+def _name(text: str, own: Sequence[str]) -> str | None:
+    """Return the name of a column as the dictionary has it, with the number of its axis where there is one, or one of
+    its ``own``, without case as columns are compared."""
+    if text.casefold() in {one.casefold() for one in own}:
+        return text.casefold()
     text = fold(text) if text not in _ASIDE else "aside"
     if text in ("aside", "ignore", "none"):
         return "aside"

@@ -20,7 +20,7 @@ from hyperfab.chapters.close_loop.words import _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
 from hyperfab.loop.problem import Effect
@@ -346,7 +346,9 @@ def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_messag
     with pytest.raises(InputError, match=f'--columns "{option}"'):
         read_thermocouples(job, "t.csv", ["a"], PLAIN)
     assert read_thermocouples(job, "t.csv", ["a"], layout([option])).names == ["a"]
-    with pytest.raises(InputError, match=r'name = "a"\)$'):  # none is left where all are set aside
+    with pytest.raises(
+        InputError, match=r'name = "a"\), or say which it is, as in --columns "a=cup \[degC\]"$'
+    ):  # none is left where all are set aside
         read_thermocouples(job, "t.csv", ["cup"], PLAIN)
 
 
@@ -379,3 +381,23 @@ def test_the_noise_of_readings_set_apart_is_that_of_all_others_of_their_kind() -
     errors = errors_apart(apart, found, "N")  # type: ignore[arg-type]
     assert errors.noise.rms == pytest.approx(np.sqrt((0.01 + 0.25 + 0.49) / 3.0))
     assert errors.after.rms == pytest.approx(0.5)
+
+
+def test_the_columns_of_a_logger_are_said_to_be_probes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    rows = "".join(f"{10 * k};{25 + k};{24 + k};25\n" for k in range(12))
+    (tmp_path / "t.csv").write_text(f"Zeit [s];Sensor 1 (degC);Kanal 2;Raum [degC]\n{rows}")
+    monkeypatch.chdir(tmp_path)
+    job, probes = Job("close-loop", [], Console(True)), ["centre", "Edge-left 2"]
+    said = layout(["Sensor 1=EDGE-left 2,Kanal 2=centre [degC],Raum=aside"], own=probes)
+    read = read_thermocouples(job, "t.csv", probes, said)
+    assert read.names == ["Edge-left 2", "centre"]
+    assert read.readings[0].tolist() == [25.0, 24.0]
+    with pytest.raises(InputError, match="is no probe of the mold") as refused:
+        read_thermocouples(job, "t.csv", probes, PLAIN)
+    option = '--columns "Sensor 1=centre [degC]"'
+    assert option in str(refused.value)
+    twice = layout(["Sensor 1=centre,Kanal 2=centre [degC],Raum=aside"], own=probes)
+    with pytest.raises(InputError, match="is centre, as another column is"):
+        read_thermocouples(job, "t.csv", probes, twice)
+    with pytest.raises(UsageError, match="names are centre, Edge-left 2, stretch"):
+        layout(["Sensor 1=center"], own=probes)

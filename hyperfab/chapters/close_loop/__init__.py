@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from hashlib import sha256
+from typing import Any
 
 from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.close_loop.domain import Given, How, kind_of
@@ -37,8 +38,16 @@ def run(job: Job, case: LoopCase) -> int:
     if case.upstream and kind not in ("press", "drape"):
         raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
     _refuse_doubles(job, measured, case.held)
-    given = Given(model, data, measured, case, layout(case.columns, case.skip_rows, case.decimal), how)
+    told = layout(case.columns, case.skip_rows, case.decimal, own=_probes(data) if kind == "mold" else ())
+    given = Given(model, data, measured, case, told, how)
     return domain_of(kind)(job, given)
+
+
+def _probes(data: Mapping[str, Any]) -> list[str]:
+    """Return the names of a mold's probes, of a document that is not checked yet."""
+    found = data.get("probe")
+    tables = [one for one in found if isinstance(one, Mapping)] if isinstance(found, list) else []
+    return [one["name"] for one in tables if isinstance(one.get("name"), str)]
 
 
 def domain_of(kind: str) -> Callable[[Job, Given], int]:

@@ -307,7 +307,9 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
     strange = [column for column in columns if column.casefold() not in known]
     if strange:
         told = [one.entry for one in layout.columns]
-        remedy = f'name the columns after the [[probe]] tables, or these after the columns (name = "{strange[0]}")'
+        remedy = f'call a [[probe]] so (name = "{strange[0]}")'
+        if probes:
+            remedy += f", or say which it is, as in {filled_in([*told, (strange[0], f'{probes[0]} [degC]')])}"
         if len(strange) < len(columns):
             remedy += f", or leave the others out: {filled_in([*told, *((column, 'aside') for column in strange)])}"
         raise InputError(
