@@ -14,6 +14,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.dictionary import fold
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
@@ -102,7 +103,7 @@ def read_table(
                     remedy="name one for another, or leave one out with =aside",
                 )
             wanted[told.label] = (heading, rest)
-        probes = {one.casefold() for one in called}
+        probes = {fold(one) for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and one.name in probes]
         if len(wanted) == len(taken) or bare:
             raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken))

@@ -42,7 +42,7 @@ COLUMNS: dict[str, str] = {
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
         traverse; posizione; posizione traversa; posicao""",
     "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
-        measuring gap; specimen length; grip distance; entrefer; l""",
+        measuring gap; specimen length; grip distance; entrefer; l; size""",
     "force": """force; load; f; tensile force; tensile load; standard force; test force; axial force; axial load; load
         cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
         last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force

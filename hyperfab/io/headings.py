@@ -161,6 +161,8 @@ def suffixed(head: Heading) -> Heading:
         unit = "/".join(parts[cut:])
         if head.unit is not None or not unit or unit.isdigit() or is_known(head.title):  # eps_t is no tonne
             continue
+        if unit == "S" and fold(parts[0]) == "time":
+            unit = "s"
         if is_unit(unit) and (not parts[cut].isdigit() or is_of(unit, "rate")):  # rate_1_s, but force_1_N
             return Heading(head.title, "_".join(parts[:cut]), unit, head.index)
     return head

@@ -22,6 +22,8 @@ from hyperfab.io.stated import conflicting, perhaps_gauge_length
 
 #: Columns that tell where a grip is, or how long the specimen.
 _LENGTHS = ("extension", "length", "position")
+#: By how much of its way an extension steps from the length beside it where it is counted anew, and at most elsewhere.
+_ANEW, _ALIKE = 0.02, 0.005
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.
 MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
@@ -156,6 +158,7 @@ class _Reader:
         column = self.roles.first(names, place)
         if column is None:
             return None
+        column = self._through(column, place)
         self.used.append(column)
         name, head = column.name.removesuffix(" 2"), column.heading
         if self.test == "simple-shear" and name in _LENGTHS:
@@ -219,6 +222,19 @@ class _Reader:
             )
         self.notes.append(f"{column.heading.title} is over a sheared layer of {thickness:g} mm")
         return self._signed(self._values(column, "length", column.name), column) / thickness
+
+    def _through(self, column: Column, place: str) -> Column:
+        """Return the length beside an extension that is counted anew for each part, in which both move alike."""
+        whole = self.roles.first(("length",), place)
+        if whole is None or column.name.removesuffix(place) != "extension" or whole.heading.unit is None:
+            return column
+        way, length = (self._values(one, "length", one.name) for one in (column, whole))
+        apart = np.abs(np.diff(way - length))
+        anew = apart > _ANEW * np.ptp(length)
+        if not anew.any() or np.max(apart[~anew], initial=0.0) > _ALIKE * np.ptp(length):
+            return column
+        self.notes.append(f"{column.heading.title} begins anew in mid-test; {whole.heading.title} is taken")
+        return whole
 
     def _from_lengths(self, column: Column, name: str) -> Array:
         head = column.heading

@@ -32,6 +32,8 @@ _ANGLE = re.compile(
     r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
 )
 _CUT = 15
+#: A cycle and which part of it a machine was in: 1-Preload, 2-Stretch, 2-Recover.
+_PART = re.compile(r"(\d{1,9}) ?[-_:] ?[^\W\d][\w ]*")
 #: What makes the number of degrees beside it a temperature, or the angle of a peel or a bend: washed_60deg, 90deg peel.
 _BESIDE = r"(?:wash|bath|water|oven|temp|heat|cured|annealed|peel|bend|gewaschen|ofen|bad)[a-z]*"
 _DEGREES = r"\d{1,3}\s?(?:deg|\u00b0|grad)[a-z]*"
@@ -200,6 +202,10 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> 
     column = columns.columns.get("cycle")
     entry = stated(sheet, "cycle")
     if column is not None:
+        parts = [_PART.fullmatch(cell) for cell in sheet.columns[column.heading.index]]
+        if parts and all(parts):
+            notes.append(f"{column.heading.title} tells a cycle and its part: the number is taken")
+            return np.array([int(part[1]) for part in parts if part], dtype=np.int64)
         values = numbers(sheet, column.heading, decimal)
         # Machines count those done, from nought, in halves and quarters: 0.5 where the first turns back.
         counted = len(values) > 0 and float(values.min()) == 0.0

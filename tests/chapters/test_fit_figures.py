@@ -10,9 +10,11 @@ import pytest
 from conftest import Run
 from matplotlib.figure import Figure
 
-from hyperfab.chapters.fit.siblings import line
+from hyperfab.chapters.fit.identify import Identified, Setting, identify
+from hyperfab.chapters.fit.siblings import _general, line
 from hyperfab.curve import TestCurve
 from hyperfab.materials import bind
+from hyperfab.materials.registry import law
 from hyperfab.materials.stability import stable_ranges
 from hyperfab.report.figures_fit import _panel
 
@@ -112,3 +114,28 @@ def test_readings_on_the_way_back_are_drawn_apart() -> None:
     _panel(axes, "", [drawn], (0.0, 1.0))
     assert [len(one.get_xdata()) for one in axes.lines][:2] == [3, 2]
     assert "unloading" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_tests_of_both_axes_alone_are_drawn_over_the_stretch_of_each(hf: Run, tmp_path: Path) -> None:
+    """Two strips of a sheet pulled at once, no plain test beside them: neo-Hooke's stresses, C10 = 0.2 MPa."""
+    one, two = np.linspace(1.1, 1.5, 9), np.linspace(1.05, 1.2, 9)
+    name = tmp_path / "cross.csv"
+    rows = [
+        f"{a!r},{b!r},{0.4 * (a - a**-3 * b**-2)!r},{0.4 * (b - b**-3 * a**-2)!r}"
+        for a, b in zip(one.tolist(), two.tolist(), strict=True)
+    ]
+    name.write_text("\n".join(["stretch,stretch 2,stress [MPa],stress 2 [MPa]", *rows]) + "\n")
+    done = hf("fit", "--biaxial", name, "--model", "neo-hookean", "-o", tmp_path / "fit.json")
+    assert done.returncode == 0, done.stderr.decode()
+    assert (tmp_path / "fit.png").read_bytes().startswith(b"\x89PNG")
+    curve = TestCurve("biaxial-general", one, one - 1.0, np.ones(9), stretch2=two, stress2=two - 1.0)
+    part = identify(law("neo-hookean"), [curve], Setting(("biaxial-general",), True, False, 1.0))
+    assert isinstance(part, Identified)
+    drawn = _general([curve], None, part, predicted=False)
+    assert drawn.stretch.tolist() == [*one, *two]
+    assert drawn.stress.tolist() == [*(one - 1.0), *(two - 1.0)]
+    (c10,) = part.materials[0].parameters.values()
+    first, second = drawn.model[:9], drawn.model[10:19]
+    np.testing.assert_allclose(first, 2.0 * c10 * (one - one**-3 * two**-2), rtol=1e-9)
+    np.testing.assert_allclose(second, 2.0 * c10 * (two - two**-3 * one**-2), rtol=1e-9)
+    assert np.isnan(drawn.grid[[9, 19]]).all()

@@ -139,6 +139,22 @@ def test_thermocouples_without_a_unit_are_asked_for_in_one_line_that_settles_it(
     )
 
 
+def test_a_head_behind_a_comment_mark_may_tell_the_time_of_day_and_a_probe_may_have_a_dash() -> None:
+    """A logger's table for another program: its head a comment, the date and the time of day behind the titles."""
+    data = b"%Time (sec)\tTC 1\tTC 2 - near_heater\t\t10/10/2019\t1:46 PM\n0\t25\t24\t\t\t\n60\t31.5\t24.5\t\t\t\n"
+
+    def read(*columns: str) -> Table:
+        called = ["TC 1", "TC 2 - near_heater"]
+        return read_table(data, "t.txt", {"time": "time"}, rest="temperature", called=called, layout=layout(columns))
+
+    option = "TC 1=temperature [degC],TC 2 - near_heater=temperature [degC]"
+    with pytest.raises(InputError, match=re.escape(f'say --columns "{option}"')):
+        read()
+    table = read(option)
+    assert table["time"].tolist() == [0, 60]
+    assert table["TC 2 - near_heater"].tolist() == [24, 24.5]
+
+
 def test_a_column_that_is_set_aside_is_no_probe() -> None:
     data = b"time [s],T1 [degC],room [degC]\n0,25,20\n60,31.5,20\n"
     table = read_table(data, "t.csv", {"time": "time"}, rest="temperature", layout=layout(["room [degC]=aside"]))

@@ -48,3 +48,30 @@ def test_specimens_one_under_another_stay_apart() -> None:
     there = [np.concatenate([place, place[::-1]]) for place in places]
     text = STRIP + "\n".join(HEAD + table(place, 0.2, 300.0) for place in there)
     assert len(read_tests(text.encode(), "k17.csv")) == 3
+
+
+@pytest.mark.parametrize("wander", [0.0, 0.4])
+def test_an_extension_that_begins_anew_with_each_part_of_a_cycle_gives_way_to_the_length_beside_it(
+    wander: float,
+) -> None:
+    """A stand that preloads and then counts from there, cycle by cycle: its length alone tells the stretch."""
+    parts = [("1-Preload", 30.0, 31.0), ("1-Stretch", 31.0, 36.0), ("1-Recover", 36.0, 31.0), ("2-Stretch", 31.0, 36.0)]
+    rows, lengths = [], []
+    for name, start, end in parts:
+        anew = start if name.endswith(("Preload", "Stretch")) else 31.0
+        for k, length in enumerate(np.linspace(start, end, 11)):
+            moved = length - anew + wander * np.sin(k)  # an extensometer's own way is no count anew
+            rows.append(f"Ramp,{name},{len(rows) * 0.2:.1f},{length:.3f},{moved:.3f},{0.5 * (length - 30.0):.4f}\n")
+            lengths.append(length)
+    head = "# test: uniaxial\n# width: 5 mm\n# thickness: 2 mm\n"
+    if wander:
+        head += "# gauge length: 30 mm\n"
+    text = f"{head}SetName,Cycle,Time_S,Size_mm,Displacement_mm,Force_N\n{''.join(rows)}"
+    [found] = read_tests(text.encode(), "a.csv")
+    assert found.cycle is not None
+    assert found.time_s is not None
+    assert found.cycle.tolist() == [1] * 33 + [2] * 11
+    assert found.time_s[-1] == pytest.approx(8.6)
+    assert ("Displacement_mm begins anew in mid-test; Size_mm is taken" in found.notes) is (wander == 0.0)
+    if not wander:
+        assert found.stretch == pytest.approx(np.array(lengths) / 30.0, abs=1e-4)

@@ -18,8 +18,9 @@ from hyperfab.loop.thresholds import FEWEST, SHARE, SMALL, TOLD
 _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
 
 #: Readings so many times what the model says, or so many times less, are asked about: newtons in a kilogram-force, less
-#: some; where the model has less than this share of its largest value they are not.
-_ANOTHER_UNIT, _LITTLE = 8.0, 0.1
+#: some; where the model has less than this share of its largest value they are not. Of the readings themselves, from
+#: this share of their largest on, all but a tenth have to be as far off: a law beyond its tests misses there alone.
+_ANOTHER_UNIT, _LITTLE, _NEAREST = 8.0, 0.1, 0.1
 #: States that say where a reading was taken; they stand beside it in the table.
 PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm")
 #: Times as far, or as little, as the others that a probe moves beside the model before it is at fault: degF makes 1.8.
@@ -123,10 +124,13 @@ def another_unit(problem: Problem) -> list[str]:
             if curve.channel == channel and not curve.beforehand:
                 rows[curve.rows] = True
         # Where the model has next to nothing a ratio says nothing of units.
-        size = np.abs(np.where(np.isfinite(given), given, 0.0))
+        size, read = np.abs(np.where(np.isfinite(given), given, 0.0)), np.abs(problem.measured)
+        large = rows & (size > 0.0) & (read > _LITTLE * np.max(read[rows], initial=0.0))
         rows &= size > _LITTLE * np.max(size[rows], initial=0.0)
-        ratio = float(np.median(np.abs(problem.measured[rows]) / size[rows])) if rows.any() else 1.0
-        if ratio > 0.0 and max(ratio, 1.0 / ratio) >= _ANOTHER_UNIT:
+        ratio = float(np.median(read[rows] / size[rows])) if rows.any() else 1.0
+        off = np.abs(np.log(read[large] / size[large]))
+        alike = large.any() and np.quantile(off, _NEAREST) >= np.log(_ANOTHER_UNIT)
+        if ratio > 0.0 and alike and max(ratio, 1.0 / ratio) >= _ANOTHER_UNIT:
             told.append(
                 f"readings in {unit} are {ratio:.3g} times what the model says as delivered: check the units in the "
                 "heads of the columns, and those of the model"

@@ -70,7 +70,10 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
             for number, temperature in enumerate(part.temperatures):
                 curves = [c for c in sets[name] if c.mode == mode and c.temperature in (temperature, None)]
                 sheared = mode == SIMPLE_SHEAR
-                if not curves or way(mode) not in MODES:
+                if not curves:
+                    continue
+                if way(mode) not in MODES:
+                    lines.setdefault(False, []).append(_general(curves, temperature, part, mode not in setting.fit_on))
                     continue
                 grid = grid_of(curves, 201, 0.0 if sheared else 1.0)
                 model = nominal_stress(part.materials[number], mode, grid)
@@ -82,6 +85,30 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
         title = f"{best.law.name}{', ' + name if name else ''}: relative rms {part.total.relative_rms:.3f}"
         panels += [(title, own) for own in lines.values()]
     return fit_figure(panels)
+
+
+def _general(curves: Sequence[TestCurve], temperature: float | None, part: Identified, predicted: bool) -> Line:
+    """Return tests whose second stretch goes its own way as a line: each axis, the law at the readings."""
+    axes = [
+        (stretch, stress, model, branch_of(curve) < 0)
+        for curve in curves
+        for stretch, stress, model in zip(
+            (curve.stretch, curve.stretch2), (curve.stress, curve.stress2), predict(part, curve), strict=True
+        )
+        if stretch is not None and stress is not None and model is not None
+    ]
+    pause = np.array([np.nan])  # no line leads from the end of one axis to the start of the next
+    return Line(
+        label=curves[0].mode if temperature is None else f"{curves[0].mode} {temperature:g} °C",
+        mode=curves[0].mode,
+        stretch=np.concatenate([one[0] for one in axes]),
+        stress=np.concatenate([one[1] for one in axes]),
+        grid=np.concatenate([part for one in axes for part in (one[0], pause)]),
+        model=np.concatenate([part for one in axes for part in (one[2], pause)]),
+        predicted=predicted,
+        unstable_from=None,
+        back=np.concatenate([one[3] for one in axes]),
+    )
 
 
 def line(
