@@ -44,6 +44,8 @@ _STATES = (
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
+#: A word and a specimen's number behind it.
+_NUMBERED = re.compile(r"(.*[^\W\d])[ _-]?\d{1,2}")
 #: A specimen's number or letter behind what a column holds.
 _LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")
 
@@ -111,13 +113,14 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
 
     A title may be the label alone, where the unit is one of a stress or a force: ``Warp [MPa]``.
     """
+    head = suffixed(head)  # stress_warp_MPa
     match = _LABELLED.fullmatch(plain(head.label))
-    if match:
-        made = replace(head, label=match[1].strip())
-        return (made, Label(match[2], "specimen", match[2])) if read(made) and not _is_symbol(made) else None
+    if match and read(made := replace(head, label=match[1].strip())):
+        return None if _is_symbol(made) else (made, Label(match[2], "specimen", match[2]))
     words = [word.strip("()[]") for word in re.split(r"[\s_]+", head.title)]
     words = [word for word in words if word != head.unit]
-    for own, rest in ((words[-1:], words[:-1]), (words[:1], words[1:]), (words[-2:], words[:-2])):
+    pairs = ((words[-2:], words[:-2]), (words[:2], words[2:]))
+    for own, rest in ((words[-1:], words[:-1]), *pairs, (words[:1], words[1:])):
         made = replace(head, label=" ".join(rest))
         label = state_of(" ".join(own)) or _test_of(head, " ".join(own))
         if rest and label and read(made) is not None:
@@ -128,8 +131,10 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
 
 def state_of(text: str) -> Label | None:
     """Return what a word in a title states of its column: a direction, an angle, a temperature or a rate."""
-    if word_for(text, "DIRECTIONS"):
-        return Label(text.casefold(), "direction", text)
+    numbered = _NUMBERED.fullmatch(text)  # Warp 1, of several strips
+    for word in (text, *(numbered.groups() if numbered else ())):
+        if word_for(word, "DIRECTIONS"):
+            return Label(text.casefold(), "direction", word)
     for name, form, unit in _STATES:
         if match := form.fullmatch(text):
             return Label(text, name, f"{match[1]} {unit}")

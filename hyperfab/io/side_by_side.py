@@ -224,9 +224,10 @@ def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[Label, lis
         not one_axis and (keys <= {"1", "2"} or any(label.setting == "direction" for label in groups))
     )
     alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & set(STRESSES)
-    # Two forces over one extension may be two load cells.
-    own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - {"force"})
-    one_kind = len({label.setting for label in groups}) == 1
+    one_kind = len(settings := {label.setting for label in groups}) == 1
+    # Two forces over one extension may be two load cells, if nothing but a number tells them apart.
+    cells = {"force"} if "specimen" in settings else set()
+    own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - cells)
     return (groups, shared) if alike and own and one_kind and not axes else ({}, list(heads))
 
 

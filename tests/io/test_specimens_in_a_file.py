@@ -174,6 +174,11 @@ def test_a_strain_is_proposed_as_a_share_or_in_per_cent_by_its_size(most: float,
         ("Strain,Course stress [MPa],Wale stress [MPa]", ["weft", "warp"]),
         ("Dehnung,Spannung Kette [MPa],Spannung (Schuss) [MPa]", ["warp", "weft"]),
         ("strain,stress_45deg [MPa],stress_90deg [MPa]", ["45 deg", "weft"]),
+        ("strain,warp_stress_MPa,weft_stress_MPa", ["warp", "weft"]),
+        ("strain,stress_warp_MPa,stress_weft_MPa", ["warp", "weft"]),
+        ("strain,Warp 1 stress [MPa],Warp 2 stress [MPa]", ["warp", "warp"]),
+        ("strain,stress MD1 [MPa],stress CD1 [MPa]", ["warp", "weft"]),
+        ("strain,Weft 1 [MPa],Weft 2 [MPa]", ["weft", "weft"]),
     ],
 )
 def test_a_title_tells_the_direction_of_its_specimen(heads: str, ways: list[str]) -> None:
@@ -183,6 +188,18 @@ def test_a_title_tells_the_direction_of_its_specimen(heads: str, ways: list[str]
     assert [part.direction_name for part in found] == ways
     with pytest.raises(InputError, match="does not say which test it is"):
         read_tests(data, "a.csv")
+
+
+def test_forces_of_strips_cut_in_two_directions_share_an_extension_and_two_load_cells_do_not() -> None:
+    def read(heads: str) -> list[TestData]:
+        data = table(heads, [50.0 * STRAIN, 20.0 * PULLS[0], 20.0 * PULLS[1]])
+        return read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(50.0, 10.0, 2.0))
+
+    found = read("displacement_mm,force_warp_N,force_weft_N")
+    same(found, (13, 13))
+    assert [part.direction_name for part in found] == ["warp", "weft"]
+    with pytest.raises(InputError, match="two columns give the force"):
+        read("displacement_mm,force_1_N,force_2_N")
 
 
 def test_directions_of_a_biaxial_test_are_its_axes() -> None:
