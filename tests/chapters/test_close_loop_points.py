@@ -221,6 +221,35 @@ def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeyp
     assert gone["force.csv: row that stands there already"] == 9
 
 
+@pytest.mark.parametrize("way", ["depth", "stroke"])
+def test_what_a_push_reads_behind_a_burst_is_left_out_and_a_way_back_is_told(
+    way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A ball burst, a push that is let go at four fifths of the force, and one that yields to half of its peak."""
+    monkeypatch.chdir(tmp_path)
+    job, read = Job("close-loop", [], Console(True)), read_force_depth if way == "depth" else read_press
+    down = np.linspace(0.0, 20.0, 41)
+    force = 0.05 * down**2
+    gone: Counter[str] = Counter()
+
+    def told(name: str, along: np.ndarray, values: np.ndarray) -> tuple[int, str]:
+        csv(tmp_path / name, f"{way} [mm],force [N]", along, values)
+        curve, _ = read(job, name, None, gone)
+        return len(curve.values), capsys.readouterr().err
+
+    after = 20.0 + 0.1 * np.arange(1, 11)
+    assert told("burst.csv", np.append(down, after), np.append(force, np.full(10, 0.01))) == (41, "")
+    assert gone == {"burst.csv: behind the burst": 10}
+    count, err = told("back.csv", np.append(down, down[-2::-1]), np.append(force, 0.8 * force[-2::-1]))
+    assert count == 81
+    # Line 43: the head and 41 rows before it; the mean of 0.2 d^2 up to 19.5 mm, of 400: 6.3 %.
+    assert "back.csv, line 43: on the way back the force is another, by 6 % of the peak in the mean" in err
+    count, err = told("yields.csv", np.append(down, after + 9.0), np.append(force, np.linspace(19.0, 10.0, 10)))
+    assert count == 51
+    assert "yields.csv, line 43: from here on the force falls, by 50 % of the peak" in err
+    assert told("whole.csv", down, force) == (41, "")
+
+
 def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A film and two load cells that saturate; a plate that presses evenly, and a hold at the peak, do not."""
     monkeypatch.chdir(tmp_path)

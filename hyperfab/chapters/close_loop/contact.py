@@ -15,7 +15,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
-from hyperfab.chapters.close_loop.readings import once, read_files, spread, stated_in
+from hyperfab.chapters.close_loop.readings import once, pushed, read_files, spread, stated_in
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
@@ -82,6 +82,7 @@ def read_force_depth(
     table = read_table(
         job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, layout=layout
     )
+    table = pushed(job, table, "depth")
     table = once(table, ("force", "force sd"), left_out, along="depth")
     temperature, whole = table.columns.get("temperature"), stated_in(table, "temperature")
     if temperature is None and whole is not None:

@@ -14,7 +14,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
-from hyperfab.chapters.close_loop.readings import once, spread, stated_in
+from hyperfab.chapters.close_loop.readings import once, pushed, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.job import Job
@@ -116,6 +116,7 @@ def read_press(
     table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
     temperature = _temperature(table)
     if "stroke" in table and "force" in table:
+        table = pushed(job, table, "stroke")
         table = once(table, ("force", "force sd"), left_out, along="stroke")
         stroke, time = table["stroke"], table.columns.get("time")
         force = Reading(name, "force", table["force"], stroke=stroke, time_s=time, temperature=temperature)

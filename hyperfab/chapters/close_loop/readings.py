@@ -12,6 +12,7 @@ from scipy.special import chdtrc
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.fit.prepare import broken
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
@@ -24,6 +25,7 @@ from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
 from hyperfab.numerics.doubt import leap
+from hyperfab.numerics.hygiene import look
 from hyperfab.numerics.spikes import off_in_hold
 
 #: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
@@ -154,6 +156,30 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, al
     table = replace(table, left_out=dict(gone))
     if left_out is not None:
         left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
+    return table
+
+
+def pushed(job: Job, table: Table, along: str) -> Table:
+    """Return forces without those behind a burst, which the table counts.
+
+    Warned of is a force that falls for good while the machine goes on, and one that is another on the way back: no
+    sheet or sandwich of a model does either, and both would be fitted. The rows are as the machine wrote them.
+    """
+    way, force = 1.0 + table[along] / max(float(np.ptp(table[along])), 1e-300), table["force"]
+    end = broken(way, force) if np.all(way > 0.0) else len(way)
+    if end < len(way):
+        gone = Counter(table.left_out) + Counter({"behind the burst": len(way) - end})
+        table = replace(_rows(table, np.arange(end)), left_out=dict(gone))
+        way, force = way[:end], force[:end]
+    for doubt in look(way, force, time=table.columns.get("time")):
+        size, line = f"{100 * doubt.size:.0f} % of the peak", table.lines[doubt.rows[0]]
+        if doubt.kind == "failing":
+            told = f"from here on the force falls, by {size}: what broke there?"
+        elif doubt.kind == "unloading":
+            told = f"on the way back the force is another, by {size} in the mean, which no model of a push knows:"
+        else:
+            continue
+        job.console.warn(f"{table.name}, line {line}: {told} leave out these rows")
     return table
 
 
