@@ -27,7 +27,7 @@ from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.loading import Loading, read_loading
 from hyperfab.io.phases import in_one
 from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, STRONGEST, Column, Roles, fits, read, roles
+from hyperfab.io.roles import STRESSES, STRETCHES, STRONGEST, Column, Roles, fits, read, roles, with_names
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.settings import SIZES, Entry
 from hyperfab.io.side_by_side import may_be_specimens, specimens
@@ -110,13 +110,12 @@ def _read_sheet(
     sheet = _with_readings(sheet, columns)
     if not sheet.lines:
         raise sheet.wrong("has no row with readings", remedy="export the readings too")
-    numeric = [
-        one.heading for one in columns.columns.values() if any(map(is_number, sheet.columns[one.heading.index][:3]))
-    ]
-    mark = settle_decimal(sheet, numeric, decimal)
+    every = [one.heading for one in columns.columns.values()]
+    mark = settle_decimal(sheet, [one for one in every if any(map(is_number, sheet.columns[one.index][:3]))], decimal)
     sheet = _without_stale_row(sheet, columns, mark)
-    kinds, pressed = tests_of_rows(sheet, columns, test)
     notes: list[str] = []
+    columns = with_names(sheet, columns, mark, notes)
+    kinds, pressed = tests_of_rows(sheet, columns, test)
     strip = read_specimen(sheet, geometry, mark, notes)
     sizes = strip.sizes
     ways = directions(sheet, columns)

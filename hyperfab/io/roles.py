@@ -6,8 +6,11 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from hyperfab.io import heading_words
 from hyperfab.io.cells import is_number, plain_values
+from hyperfab.io.csv_numbers import numbers
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for, words
 from hyperfab.io.headings import KIND, Heading, is_gauged, is_of, meaning, suffixed
@@ -44,6 +47,8 @@ _STATES = (
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
+#: How near, as a share of the way, each specimen of a table begins to where the first did, and the fewest rows of one.
+_AT_REST, _FEWEST_ROWS = 0.05, 3
 #: A word and a specimen's number behind it.
 _NUMBERED = re.compile(r"(.*[^\W\d])[ _-]?\d{1,2}")
 #: A specimen's number or letter behind what a column holds.
@@ -186,6 +191,35 @@ def roles(sheet: CsvSheet) -> Roles:
         best = min((rank for rank, _ in ones), default=0)
         aside += [one.heading.title for rank, one in ones if rank > best]
     return Roles(_axes(sheet, columns), tuple(aside))
+
+
+def with_names(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Roles:
+    """Return the roles with a column of words that nobody knows, if it names the specimens that stand in one table.
+
+    Each word fills one run of rows, at whose start the clock, where there is one, begins anew, and the stretch is where
+    that of the first began. Of several (a file and its material) the one that tells most of them apart.
+    """
+    stretch, time = columns.first(STRETCHES), columns.columns.get("time")
+    if stretch is None or columns.first(("specimen", "cycle", "branch", "test")) is not None:
+        return columns
+    way = numbers(sheet, stretch.heading, decimal)
+    clock = None if time is None else plain_values(sheet.columns[time.heading.index])
+    best: tuple[int, Heading] | None = None
+    for head in sheet.headings:
+        cells = sheet.columns[head.index]
+        starts = [row for row in range(1, len(cells)) if cells[row] != cells[row - 1]]
+        free = head.title in columns.aside and sheet.layout.choice(head, sheet.headings) is None
+        if not free or not starts or len(set(cells)) != len(starts) + 1 or any(not c or is_number(c) for c in cells):
+            continue
+        anew = clock is None or (len(clock) == len(cells) and all(clock[row] < clock[row - 1] for row in starts))
+        near = np.abs(way[starts] - way[0]) <= _AT_REST * np.ptp(way)
+        if anew and near.all() and min(np.diff([0, *starts, len(cells)])) >= _FEWEST_ROWS:
+            best = max(best or (0, head), (len(starts), head), key=lambda one: one[0])
+    if best is None:
+        return columns
+    notes.append(f"{best[1].title} names the specimens")
+    aside = tuple(title for title in columns.aside if title != best[1].title)
+    return Roles({**columns.columns, "specimen": Column("specimen", best[1])}, aside)
 
 
 def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:

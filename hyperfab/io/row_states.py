@@ -49,6 +49,11 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
         value = next((told for told in map(_in_name, names_of(sheet.name)) if told is not None), None)
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
+        if entry is None and value is None and "specimen" in columns.columns:
+            named = held_down(words_or_stated(sheet, columns, "specimen"))
+            own = {name: _in_name(name or "") for name in named}
+            if None not in own.values():  # warp-1, warp-2, weft-1
+                return [own[name] for name in named]
         return [value] * len(sheet.lines)
     texts = sheet.columns[column.heading.index]
     known = {}

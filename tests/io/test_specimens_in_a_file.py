@@ -371,3 +371,49 @@ def test_what_was_said_of_columns_by_number_is_not_proposed_again_without_a_titl
         read_tests(rows, "a.csv", test="simple-shear", columns=layout(["1=stretch,2=stress [kPa]"]))
     assert '--columns "1=stretch,2=stress [kPa]' not in str(caught.value)
     assert '"shear strain"' in str(caught.value)
+
+
+def long(names: list[str], clock: bool, anew: bool, title: str = "File_ID") -> bytes:
+    """Specimens one under another in one table, told apart by a column of words alone, and what they are cut of."""
+    rows, time = [], 0
+    for name, pull in zip(names, PULLS, strict=False):
+        for a, b in zip(STRAIN, pull, strict=True):
+            rows.append(f"{time},{a:.6f},{b:.6g},{name},{name.split('_')[0]}" if clock else f"{a:.6f},{b:.6g},{name},x")
+            time += 1
+        time = 0 if anew else time
+    head = "Time [s],Strain,Stress [MPa]," if clock else "Strain,Stress [MPa],"
+    return f"{head}{title},Material\n{chr(10).join(rows)}\n".encode()
+
+
+@pytest.mark.parametrize("clock", [True, False])
+def test_a_column_of_words_names_the_specimens_where_each_begins_at_rest_and_its_clock_anew(clock: bool) -> None:
+    found = read_tests(
+        long(["Jersey 0deg_1", "Jersey 0deg_2", "Jersey 90deg_1"], clock, True), "a.csv", test="uniaxial"
+    )
+    same(found)
+    assert [part.specimen for part in found] == ["Jersey 0deg_1", "Jersey 0deg_2", "Jersey 90deg_1"]
+    assert [part.direction for part in found] == [0.0, 0.0, 90.0]
+    assert "File_ID names the specimens" in found[0].notes
+
+
+def test_words_of_one_specimens_phases_name_none() -> None:
+    phases = long(["Preload", "Pull", "Again"], clock=True, anew=False, title="Phase of it")
+    (found,) = read_tests(phases, "a.csv", test="uniaxial")  # the clock goes on
+    assert found.specimen is None
+    pull = "".join(
+        f"{k},{0.05 * k:.2f},{word}\n" for k, word in zip(range(1, 9), ["up"] * 4 + ["more"] * 4, strict=True)
+    )
+    (found,) = read_tests(f"Strain [%],Stress [MPa],Phase of it\n{pull}".encode(), "a.csv", test="uniaxial")
+    assert found.specimen is None  # goes on where it was
+
+
+def test_names_of_specimens_tell_their_directions_where_all_do() -> None:
+    def ways(*names: str) -> list[float | None]:
+        rows = "".join(f"{name},{1.0 + 0.1 * k:.1f},{0.1 * k:.1f}\n" for name in names for k in range(1, 5))
+        return [
+            one.direction
+            for one in read_tests(f"specimen,stretch,stress [MPa]\n{rows}".encode(), "a.csv", test="uniaxial")
+        ]
+
+    assert ways("warp-1", "warp-2", "weft-1") == [0.0, 0.0, 90.0]
+    assert ways("warp-1", "B") == [None, None]
