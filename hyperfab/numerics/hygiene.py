@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, leap, scatter
 from hyperfab.numerics.rest import offset, starts_off, unzeroed
-from hyperfab.numerics.spikes import off_in_hold, ringing
+from hyperfab.numerics.spikes import off_in_hold, ringing, under_dead_load
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
@@ -141,7 +141,7 @@ def look(
     found = [
         *_doubled(stretch, stress, time),
         *_steps_back(way, stress),
-        *_saturated(way, stress),
+        *_saturated(way, stress, time),
         *_leaps(way, stress, time),
         *offset(stretch, stress, stretch2),
         *unzeroed(way, stress),
@@ -195,7 +195,7 @@ def _stress_stays(way: Array, stress: Array, row: int) -> bool:
     return bool(slope > 0.0 and above > 0.5 * slope * (way[row] - low))
 
 
-def _saturated(way: Array, stress: Array) -> Iterator[Doubt]:
+def _saturated(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
     """A reading that stands at its very peak, digit for digit, while the stretch goes on: the range has ended."""
     top = float(stress[int(np.abs(stress).argmax())])
     equal = np.flatnonzero(stress == top)
@@ -204,7 +204,7 @@ def _saturated(way: Array, stress: Array) -> Iterator[Doubt]:
     usual = max((len(run) + 1 for run in np.split(same, np.flatnonzero(np.diff(same) > 1) + 1)), default=1)
     for run in runs:
         moved = float(np.ptp(way[run])) / max(float(np.ptp(way)), 1e-300)
-        if len(run) > 3 * usual and moved > 0.02:
+        if len(run) > 3 * usual and moved > 0.02 and not under_dead_load(way, run, time):
             yield Doubt(
                 "saturation",
                 tuple(int(row) for row in run),

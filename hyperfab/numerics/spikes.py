@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.doubt import SMALL_STEP, pace
 
 #: A glitch in a hold lasts so many rows at most; more than this share of all rows is noise.
@@ -17,6 +17,9 @@ _STARTS, _RINGS = 0.2, 8
 _SWINGS, _OVER = 0.25, 0.1
 #: Share of a leap that the swing back takes at least.
 _DAMPED = 0.5
+#: How much farther what creeps under a dead load goes in the first half of its time than in the second, and the least
+#: share of its way that it goes to one side.
+_SLOWS, _ONE_WAY = 2.0, 0.8
 
 
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
@@ -85,3 +88,19 @@ def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list
             last = first + int(np.flatnonzero(against[near] > _OVER * least)[-1]) + 2
             found |= set(range(max(int(row), 1), min(last + 1, len(way))))
     return sorted(found)
+
+
+def under_dead_load(way: Array, run: Ints, time: Array | None) -> bool:
+    """Whether a stretch goes on under one load as that of a specimen which creeps: slower and slower, and one way.
+
+    A crosshead that pulls on at the end of a range goes at one pace.
+
+    >>> time, rows = np.linspace(0.0, 300.0, 40), np.arange(40)
+    >>> under_dead_load(1.2 - 0.1 * np.exp(-time / 60.0), rows, time), under_dead_load(1.0 + time, rows, time)
+    (True, False)
+    """
+    if time is None or time[run[-1]] <= time[run[0]]:
+        return False
+    half = np.interp(0.5 * (time[run[0]] + time[run[-1]]), time[run], way[run])
+    first, second = abs(half - way[run[0]]), abs(way[run[-1]] - half)
+    return bool(first > _SLOWS * second and first + second > _ONE_WAY * np.ptp(way[run]))

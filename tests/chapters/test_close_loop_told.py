@@ -160,6 +160,39 @@ def test_a_state_that_no_law_knows_is_what_the_rest_rides_on(hf: Run, model: Pat
         assert found["residual"]["rides_on"].get("humidity", 0.0) > 0.3
 
 
+def dead_load(folder: Path, name: str, load: float, seed: int, came_on: bool = True) -> str:
+    """A strip under a weight that comes on within a second: S = 0.2 (l - 1/l^2), and of it one Maxwell branch, a half,
+    20 s. The stretch follows from the exact creep of such a solid: J(t) = 1 - exp(-t/30) / 3 for a load put on at once.
+    """
+    rng, grid = np.random.default_rng(seed), np.linspace(1.0, 1.3, 20001)
+    time = np.concatenate([np.linspace(0.0, 1.0, 6), np.geomspace(1.3, 300.0, 36)])
+
+    def ramp(t: np.ndarray) -> np.ndarray:
+        return np.asarray(t - 10.0 * (1.0 - np.exp(-t / 30.0)))
+
+    borne = load * (ramp(time) - ramp(np.maximum(time - 1.0, 0.0))) * (1.0 + 0.003 * rng.standard_normal(42))
+    stretch = np.interp(borne, 0.2 * (grid - grid**-2), grid)
+    rows = [f"{a:.6g},{b:.8f},{load * min(a, 1.0):.8g}" for a, b in zip(time, stretch, strict=True)]
+    text = "\n".join(["# test: uniaxial", "time [s],stretch [-],stress [MPa]", *rows[0 if came_on else 5 :]])
+    (folder / name).write_text(text + "\n")
+    return name
+
+
+def test_creep_under_a_dead_load_is_no_cell_at_its_range_and_tells_the_branch(hf: Run, model: Path) -> None:
+    law = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.12}}
+    (model / "m.json").write_text(json.dumps(law))
+    files = [dead_load(model, f"{load}.csv", load, seed=k) for k, load in enumerate((0.02, 0.04))]
+    found, told = closed(hf, model, files)
+    assert not found.get("left_out")
+    assert "range" not in told
+    (rate,) = [one for one in found["effects"] if one["id"] == "rate"]
+    assert rate["parameters"]["g1"] == pytest.approx(0.5, abs=0.05)
+    assert rate["parameters"]["tau1_s"] == pytest.approx(20.0, rel=0.1)
+    _, told = closed(hf, model, [dead_load(model, "on.csv", 0.04, seed=2, came_on=False)], status=3)
+    assert "the stress is 0.04 in all 37 rows" in told
+    assert "and the rows in which the load comes on" in told
+
+
 def test_a_slip_of_the_extensometer_is_told_and_no_effect(hf: Run, model: Path) -> None:
     files = [write(model, f"{k}.csv", slip=0.03, seed=k, rows=80) for k in range(3)]
     found, told = closed(hf, model, files)

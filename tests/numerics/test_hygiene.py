@@ -89,6 +89,12 @@ def test_a_load_cell_at_its_range_is_told() -> None:
     [found] = look(stretch, np.minimum(stress, top))
     assert found.kind == "saturation"
     assert found.rows[0] == int(np.argmax(stress >= top))
+    # By the clock of a crosshead too; what slows down under one load creeps.
+    [found] = look(stretch, np.minimum(stress, top), time=np.linspace(0.0, 60.0, len(stretch)))
+    assert found.kind == "saturation"
+    beyond = np.maximum(stretch - stretch[found.rows[0]], 0.0) / (stretch[-1] - stretch[found.rows[0]])
+    creeping = np.linspace(0.0, 60.0, len(stretch)) + np.expm1(8.0 * beyond)
+    assert look(stretch, np.minimum(stress, top), time=creeping) == []
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -26,6 +26,7 @@ from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.materials.effects.path import moving
 from hyperfab.materials.modes import OF_A_SHEET
 from hyperfab.numerics.hygiene import look
+from hyperfab.numerics.spikes import under_dead_load
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
 _UNSOUND = {
@@ -86,11 +87,12 @@ def read_measured(
             found.left_out[f"{part.source}: {reason}"] += count
     for test in every:
         if len(test.stress) > 1 and not np.any(np.diff(test.stress)):
+            creeps = under_dead_load(test.stretch, np.arange(len(test.stress)), test.time_s)
             raise InputError(
                 f"the stress is {test.stress[0]:g} in all {len(test.stress)} rows",
                 file=test.source,
                 column="stress",
-                remedy="export the reading of the load cell",
+                remedy="export the reading of the load cell" + creeps * ", and the rows in which the load comes on",
             )
     every = _sound(every, found)
     stated = [states(test) for test in every]
