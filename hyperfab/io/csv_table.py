@@ -104,7 +104,7 @@ def read_table(
                 )
             wanted[told.label] = (heading, rest)
         probes = {fold(one) for one in called}
-        bare = [one for one in _unread(sheet, wanted) if one.unit is None and one.name in probes]
+        bare = [one for one in _unread(sheet, wanted) if one.unit is None and fold(one.name) in probes]
         if len(wanted) == len(taken) or bare:
             raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken))
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)

@@ -429,6 +429,8 @@ def test_the_columns_of_a_logger_are_said_to_be_probes(tmp_path: Path, monkeypat
         read_thermocouples(job, "t.csv", probes, PLAIN)
     option = '--columns "Sensor 1=centre [degC]"'
     assert option in str(refused.value)
+    with pytest.raises(InputError, match="Kanal 2 has no unit of a temperature"):
+        read_thermocouples(job, "t.csv", probes, layout(["Sensor 1=centre,Kanal 2=Edge-left 2,Raum=aside"], own=probes))
     twice = layout(["Sensor 1=centre,Kanal 2=centre [degC],Raum=aside"], own=probes)
     with pytest.raises(InputError, match="is centre, as another column is"):
         read_thermocouples(job, "t.csv", probes, twice)
