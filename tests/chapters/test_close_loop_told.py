@@ -427,8 +427,10 @@ def test_the_columns_of_a_logger_are_said_to_be_probes(tmp_path: Path, monkeypat
     assert read.readings[0].tolist() == [25.0, 24.0]
     with pytest.raises(InputError, match="is no probe of the mold") as refused:
         read_thermocouples(job, "t.csv", probes, PLAIN)
-    option = '--columns "Sensor 1=centre [degC]"'
-    assert option in str(refused.value)
+    assert '--columns "Sensor 1=centre [degC]"' in str(refused.value)
+    with pytest.raises(InputError) as refused:
+        read_thermocouples(job, "t.csv", probes, layout(["Sensor 1=centre"], own=probes))
+    assert '--columns "Sensor 1=centre,Raum=Edge-left 2 [degC]"' in str(refused.value)
     with pytest.raises(InputError, match="Kanal 2 has no unit of a temperature"):
         read_thermocouples(job, "t.csv", probes, layout(["Sensor 1=centre,Kanal 2=Edge-left 2,Raum=aside"], own=probes))
     twice = layout(["Sensor 1=centre,Kanal 2=centre [degC],Raum=aside"], own=probes)

@@ -334,8 +334,10 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
     if strange:
         told = [one.entry for one in layout.columns]
         remedy = f'call a [[probe]] so (name = "{strange[0]}")'
-        if probes:
-            remedy += f", or say which it is, as in {filled_in([*told, (strange[0], f'{probes[0]} [degC]')])}"
+        taken = {column.casefold() for column in columns}
+        free = [probe for probe in probes if probe.casefold() not in taken]
+        if free:
+            remedy += f", or say which it is, as in {filled_in([*told, (strange[0], f'{free[0]} [degC]')])}"
         if len(strange) < len(columns):
             remedy += f", or leave the others out: {filled_in([*told, *((column, 'aside') for column in strange)])}"
         raise InputError(
