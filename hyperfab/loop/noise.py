@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -48,7 +49,7 @@ class Noise:
         """The noise without what rows have in common."""
         return replace(self, gain_sd=0.0, across_sd=0.0, correlation=0.0)
 
-    @property
+    @cached_property
     def about_means(self) -> Noise:
         """The noise of which what specimens led alike have in common is no part: they scatter about their mean."""
         return replace(self, correlation=0.0, centred=True)
@@ -113,17 +114,33 @@ class Noise:
         """Return values or columns less what of them is scatter: about the model, or about the means of those led alike
         to a power of their covariance."""
         found = scaled.copy()
-        for sd, groups, alike in (
-            (self.gain_sd, self.groups, self.alike),
-            (self.across_sd, self.across, self.alike_across),
-        ):
-            shapes = self._shapes(groups, sd) if sd else []
-            if power is None:
-                each = [(rows, shape, shrink * (shape @ scaled[rows])) for rows, shape, shrink in shapes]
-            else:
-                each = list(_about_means(scaled, shapes, alike if sd else (), power))
-            for rows, shape, less in each:
-                found[rows] -= np.multiply.outer(shape, less)
+        if power is None:
+            for rows, shape, shrink in (one for shapes, _ in self._scatters for one in shapes):
+                found[rows] -= np.multiply.outer(shape, shrink * (shape @ scaled[rows]))
+            return found
+        for own, sizes, ways in self._about:
+            along = np.stack([shape @ scaled[rows] for rows, shape, _ in own])
+            less = along - (ways * sizes**power) @ (ways.T @ along)
+            for (rows, shape, _), one in zip(own, less, strict=True):
+                found[rows] -= np.multiply.outer(shape, one)
+        return found
+
+    @cached_property
+    def _scatters(self) -> list[tuple[list[Shape], tuple[tuple[int, ...], ...]]]:
+        """The shapes of each kind of scatter that there is, and which of them were led alike."""
+        kinds = ((self.gain_sd, self.groups, self.alike), (self.across_sd, self.across, self.alike_across))
+        return [(self._shapes(groups, sd), alike) for sd, groups, alike in kinds if sd]
+
+    @cached_property
+    def _about(self) -> list[tuple[list[Shape], Array, Array]]:
+        """Of those led alike the shapes, and eigenvalues and eigenvectors of how they scatter about their mean."""
+        found = []
+        for shapes, alike in self._scatters:
+            for which in alike:
+                own = [shapes[k] for k in which]
+                wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
+                about = np.eye(len(own)) - 1.0 / len(own)
+                found.append((own, *np.linalg.eigh(np.eye(len(own)) + np.outer(wide, wide) * about)))
         return found
 
     def along_stiffness(self, whitened: Array) -> Array:
@@ -166,20 +183,6 @@ class Noise:
             shrink = 1.0 - 1.0 / np.sqrt(1.0 + (sd * length) ** 2)
             found.append((rows, pattern[rows] / length, shrink))
         return found
-
-
-def _about_means(
-    scaled: Array, shapes: Sequence[Shape], alike: Sequence[Sequence[int]], power: float
-) -> Iterator[tuple[Ints, Array, Array]]:
-    """Yield the rows of each specimen, its shape, and how much of that is scatter about the mean of those led alike."""
-    for which in alike:
-        own = [shapes[k] for k in which]
-        wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
-        about = np.eye(len(own)) - 1.0 / len(own)
-        sizes, ways = np.linalg.eigh(np.eye(len(own)) + np.outer(wide, wide) * about)
-        along = np.stack([shape @ scaled[rows] for rows, shape, _ in own])
-        less = along - (ways * sizes**power) @ (ways.T @ along)
-        yield from ((rows, shape, one) for (rows, shape, _), one in zip(own, less, strict=True))
 
 
 def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:
