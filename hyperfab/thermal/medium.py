@@ -68,7 +68,12 @@ class Medium:
     @property
     def linear(self) -> bool:
         """Whether no material depends on temperature."""
-        return len(self._k_elements) == 0 and len(self._c_elements) == 0
+        return not self.conduction_varies and len(self._c_elements) == 0
+
+    @property
+    def conduction_varies(self) -> bool:
+        """Whether a part's conductivity depends on temperature."""
+        return len(self._k_elements) > 0
 
     @property
     def masses(self) -> Array:
@@ -114,7 +119,7 @@ class Medium:
 
     def conduction(self, temperature: Array) -> Array:
         """Return the data of the conduction matrix [W/K] at nodal temperatures; not to be changed."""
-        if len(self._k_elements) == 0:
+        if not self.conduction_varies:
             return self._conducting
         if self._k_last is None or not np.array_equal(self._k_last[0], temperature):
             data = self._conducting.copy()

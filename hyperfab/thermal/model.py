@@ -39,6 +39,8 @@ BALANCINGS = 3
 NEWTON_STEPS = 40
 #: A step after which the residual is larger is halved so often, one after the other.
 MOST_HALVINGS = 6
+#: Least share of a step that is taken in a steady state whose conductivity depends on temperature.
+LEAST_SHARE = 0.1
 
 
 @dataclass
@@ -162,7 +164,8 @@ class HeatModel:
         scale = norm(self.pattern.diagonal(matrix) * self.free)
         goal, size, moved, tolerance = 0.0, np.inf, np.inf, np.inf
         residual = change = np.zeros(0)
-        halved = 0
+        halved, share = 0, 1.0
+        lagged = not storage and self.medium.conduction_varies
         for step in range(NEWTON_STEPS):
             if step == 0 or not self.linear:
                 residual = self._residual(stage, target, temperature)
@@ -171,7 +174,7 @@ class HeatModel:
             before, size = size, norm(residual)
             if step == 0:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
-            elif size > before and not self.linear and halved < MOST_HALVINGS:
+            elif size > before and not (self.linear or lagged) and halved < MOST_HALVINGS:
                 # A peak of the specific heat, that of melting, throws whole steps to and fro across it.
                 change *= 0.5
                 temperature -= change
@@ -195,8 +198,11 @@ class HeatModel:
                 matrix = self.last_matrix = self._step_matrix(stage, temperature)
             least = 0.0 if self.linear else NEWTON_SOLVE
             tolerance = min(max(0.5 * goal / size, least), 0.1)
-            change = self.solve(matrix, residual, tolerance)
-            temperature += change
+            last, change = change, self.solve(matrix, residual, tolerance)
+            # What k(T) adds to the tangent is not symmetric and left out: nothing else holds the steps where nothing
+            # is stored, and a residual that rises for once says nothing of them.
+            share = _share(share, last, change) if lagged and step > 1 else 1.0
+            temperature += share * change
             moved = float(np.abs(change).max())
             if not np.isfinite(moved) or moved > 1e7:
                 break
@@ -267,6 +273,15 @@ class HeatModel:
     def _add_conditions(self, time: float, interval: float, temperature: Array, data: Array) -> None:
         for condition, places in self._coupling:
             add(places, (interval * condition.tangent(time, temperature)).ravel(), data)
+
+
+def _share(share: float, last: Array, change: Array) -> float:
+    """Return which share of a step to take after ``share`` of the ``last`` one (Aitken's relaxation, between bounds).
+
+    Irons and Tuck, Int. J. Numer. Meth. Eng. 1 (1969) 275.
+    """
+    turned = change - last
+    return float(np.clip(-share * dot(last, turned) / max(dot(turned, turned), 1e-300), LEAST_SHARE, 1.0))
 
 
 def without_route(model: HeatModel) -> int | None:

@@ -129,6 +129,25 @@ def test_conductivity_that_rises_with_temperature(block):
     assert temperature[wall.node(0.5, 0, 0)] == pytest.approx(middle, abs=2e-3)
 
 
+@pytest.mark.parametrize(
+    ("temperatures", "conductivities", "flux"),
+    [
+        ([0, 150, 200, 300], [3, 3, 6, 6], 2e4),
+        ([0, 100, 110, 300], [1, 1, 5, 5], 1e4),
+        ([0, 90, 100, 110, 300], [1, 1, 20, 1, 1], 1e4),
+    ],
+)
+def test_conductivity_that_changes_steeply(block, temperatures, conductivities, flux):
+    table = Table(np.array(temperatures, float), np.array(conductivities, float))
+    wall = block((0.02, 0.002, 0.002), (20, 1, 1), k=table).flux("x-", flux).film("x+", 200.0, 20.0)
+    temperature = steady(wall.model())
+    cold = 20.0 + flux / 200.0
+    for x in (0.0, 0.01, 0.02):
+        exact = brentq(lambda t, x=x: table.integral(t) - table.integral(cold) - flux * (0.02 - x), cold - 1e-9, 400.0)
+        # A corner of the table inside an element of 1 mm bends the gradient there.
+        assert temperature[wall.node(x, 0, 0)] == pytest.approx(exact, abs=0.02)
+
+
 def test_specific_heat_that_rises_with_temperature_stores_exactly_the_enthalpy(block):
     c = Table(np.array([0.0, 100.0, 400.0]), np.array([800.0, 900.0, 1100.0]))
     body = block((0.1, 0.1, 0.1), (2, 2, 2), k=200.0, rho=2700.0, cp=c).flux("x-", 2e5)
