@@ -327,10 +327,8 @@ def _fitted(
             continue
         if not gives:
             triangles = None
-        errors = [
-            abs(new.state.force - old.state.force) / max(abs(new.state.force), 1e-300) / caution
-            for new, old in zip(found, near, strict=True)
-        ]
+        changes = [_change(new.state, old.state, tests[0].facets is None) for new, old in zip(found, near, strict=True)]
+        errors = [change / caution for change in changes]
         found = [replace(solved, error=error) for solved, error in zip(found, errors, strict=True)]
         done = tolerance is None or (told and max(errors) <= tolerance)
         # Nodes that slide off a sharp rim, or coarse facets, leave a noise that finer meshes do not lower at once.
@@ -341,6 +339,16 @@ def _fitted(
         # Where the next mesh has no equilibrium these stand, without an error that is not to be trusted.
         near = found if told else [replace(solved, error=None) for solved in found]
         level, told = level if gives else level + 1.0, True
+
+
+def _change(new: State, old: State, smooth: bool) -> float:
+    """Return by which share the force of two meshes differs: on a ``smooth`` punch at least by that of the energy.
+
+    Forces of two meshes may be alike by chance; hardly ever is the energy then, whose slope by the depth they are.
+    """
+    force = abs(new.force - old.force) / max(abs(new.force), 1e-300)
+    energy = abs(new.energy - old.energy) / max(abs(new.energy), 1e-300)
+    return max(force, energy) if smooth else force
 
 
 def _gives_way(solved: Solved) -> bool:
