@@ -165,6 +165,22 @@ def test_siblings_hold_the_curves_and_a_picture(hf: Run, root: Path, tmp_path: P
     assert sum(value**2 for value in ratio) == pytest.approx(document["fit"]["E2"], rel=1e-9)
 
 
+def test_a_general_biaxial_test_alone_is_fitted_and_drawn(hf: Run, tmp_path: Path) -> None:
+    # Mooney-Rivlin in plane stress: P1 = 2 (C10 + C01 l2^2) (l1 - 1 / (l1^3 l2^2)), and P2 alike.
+    rows = []
+    for one in (1.1, 1.3, 1.5, 1.8):
+        two = 1 + 0.5 * (one - 1)
+        pulls = [2 * (0.18 + 0.03 * b**2) * (a - 1 / (a**3 * b**2)) for a, b in ((one, two), (two, one))]
+        rows.append(f"{one},{pulls[0]:.12f},{two},{pulls[1]:.12f}")
+    head = "# test: biaxial-general\nstretch [-],stress [MPa],stretch 2 [-],stress 2 [MPa]\n"
+    (tmp_path / "t.csv").write_text(head + "\n".join(rows) + "\n")
+    done = hf("fit", "t.csv", "--model", "mooney-rivlin-2", "-o", "fabric.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    document = json.loads((tmp_path / "fabric.json").read_text())
+    assert document["parameters"] == pytest.approx({"C10_MPa": 0.18, "C01_MPa": 0.03}, rel=1e-8)
+    assert document["files"] == ["fabric.csv", "fabric.png"]
+
+
 @pytest.mark.parametrize("model", ["neo-hookean", "orthotropic", pytest.param("hyperfoam-1", marks=pytest.mark.slow)])
 def test_every_law_keeps_the_set_up_it_was_fitted_with(hf: Run, model: str) -> None:
     found = fit(hf, "--uniaxial", f"{TRELOAR}/uniaxial.csv", "--model", model, "--accept", "0.9")
