@@ -31,6 +31,12 @@ _SMALLEST_PART = 1e-2
 _KEPT_AFTER = 2
 #: Artificial tension never falls below this part of the mean stress, so that slack nodes have some stiffness.
 _LEAST_SUPPORT = 1e-6
+#: A careful iteration begins with this support; it shrinks to a part after each step that lowers the energy as a whole,
+#: and grows after each that does not (Levenberg and Marquardt), up to all of the mean stress.
+_CAREFUL_SUPPORT, _LESS_SUPPORT, _MORE_SUPPORT = 1e-2, 0.3, 10.0
+#: A careful iteration may take so many times as many steps, and ends at this residual: at the border of what is slack
+#: points go to and fro between slack and wrinkled, each with a stiffness of its own. The energy holds to nine digits.
+_MORE_STEPS, _SLACK_RESIDUAL = 12, 1e-7
 #: A sheet with less than this part of (modulus times volume) as energy is slack.
 _SLACK_ENERGY = 1e-14
 #: Touching nodes lie on the punch to this [mm].
@@ -187,11 +193,13 @@ class Press:
         grip = self.tangential.begin(memory, anchors)
         touching = touching & self._movable
         away, settled, step = 1.0, False, np.zeros_like(places)
-        most = self.max_iterations * (4 if careful else 1)
+        most = self.max_iterations * (_MORE_STEPS if careful else 1)
+        enough = max(self.tolerance, _SLACK_RESIDUAL if careful else 0.0)
+        hold = _CAREFUL_SUPPORT
         entered = np.zeros(len(places), int)
         last, facet = touching, None
         for iteration in range(most + 1):
-            support = max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
+            support = hold if careful else max(_LEAST_SUPPORT, min(1.0, away)) * (1.0 if cold else 0.1)
             system = self._linearise(depth, places, touching, grip, support, cold, facet)
             facet = system.near.facet
             if not np.isfinite(system.worst):
@@ -201,13 +209,14 @@ class Press:
                     raise NoEquilibriumError("the sheet is stretched beyond the limit of its law")
                 places, settled = places - step, False
                 continue
-            if settled and grip.settled and system.worst < self.tolerance and system.gap < _GAP_TOLERANCE:
+            if settled and grip.settled and system.worst < enough and system.gap < _GAP_TOLERANCE:
                 return self._state(depth, places, touching, system, iteration, (memory, anchors, grip))
             if careful and self._is_slack(system):
                 nothing = np.zeros_like(touching)
                 return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
-            step, chosen = self._step(depth, places, touching, system, careful)
+            step, chosen, part = self._step(depth, places, touching, system, careful)
+            hold = max(hold * _LESS_SUPPORT, 1e-9) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
             if self.tangential.holds:
                 # A node that sticks where it lands jumps there: one that was let go and came back is kept.
                 entered += chosen & ~touching
@@ -295,8 +304,8 @@ class Press:
 
     def _step(
         self, depth: float, places: Array, touching: Flags, system: _Linearised, careful: bool
-    ) -> tuple[Array, Flags]:
-        """Return a Newton step (n, 3) and the nodes that touch after it."""
+    ) -> tuple[Array, Flags, float]:
+        """Return a Newton step (n, 3), the nodes that touch after it, and the part of the step that it is."""
         right = -system.unbalanced
         if system.terms.mix is not None:
             right[system.nodes] = np.einsum("kij,kj->ki", system.terms.mix, right[system.nodes])
@@ -310,13 +319,13 @@ class Press:
         change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
         pressed = (system.terms.force * normal).sum(axis=1) + change
         step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
-        if careful:
-            step *= self._part_that_descends(depth, places, touching, system, step)
+        part = self._part_that_descends(depth, places, touching, system, step) if careful else 1.0
+        step *= part
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
         chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable
         chosen[nodes] = pressed > (-_FLAT * float(np.abs(pressed).max(initial=0.0)) if flat else 0.0)
-        return step, chosen
+        return step, chosen, part
 
     def _is_slack(self, system: _Linearised) -> bool:
         """Whether the sheet carries nothing and the punch is nowhere inside it."""

@@ -199,7 +199,13 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
         state = cold_start(press, depth)
     else:
         last = below.state
-        state = press.equilibrium(depth, last.places, last.touching, last.memory)
+        try:
+            state = press.equilibrium(depth, last.places, last.touching, last.memory)
+        except NoEquilibriumError:
+            if press.sheet.prestretch >= 1.0 or press.tangential.remembers:
+                raise
+            # Parts of a sheet that was mounted slack still are.
+            state = press.equilibrium(depth, last.places, last.touching, last.memory, cold=True, careful=True)
     # A long step may land on another shape than the one that the path leads to.
     if below and not press.tangential.remembers and abs(_odd_work(below.state, state)) > _ODD_WORK:
         raise NoEquilibriumError("the path does not lead to the shape found")

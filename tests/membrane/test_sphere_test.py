@@ -149,6 +149,21 @@ def test_square_sheet(depth):
     assert wrinkled_fraction(solved.press.sheet, solved.state.places) == 0.0
 
 
+@pytest.mark.parametrize("hold", [0.97, pytest.param(0.9, marks=pytest.mark.slow)])
+def test_a_square_mounted_slack_is_followed_while_its_corners_hang(hold):
+    """Its sides are taut before its corners are: points go to and fro there between slack and wrinkled."""
+    depths = [45.0, 49.9, 50.0, 50.1]
+    outcome = _press("neo-hookean", depths, shape=outline.Square(200.0, quarter=True), prestretch=hold)
+    assert outcome.path.limit is None
+    assert not outcome.path.jumps
+    assert [one.state.depth for one in outcome.solved] == depths
+    below, here, above = (one.state for one in outcome.solved[1:])
+    assert 0.0 < outcome.solved[0].state.force < here.force
+    # What the punch is pushed with is what the energy rises by per depth.
+    assert (above.energy - below.energy) / 0.2 == pytest.approx(here.force, rel=1e-3)
+    assert here.residual < 1e-6
+
+
 def test_prestretched_sheet():
     solved = _press("neo-hookean", [30.0, 60.0], prestretch=1.05).solved[-1]
     assert solved.state.force == pytest.approx(48.8658267, rel=2e-4)
