@@ -34,9 +34,9 @@ _LEAST_SUPPORT = 1e-6
 #: A careful iteration begins with this support; it shrinks to a part after each step that lowers the energy as a whole,
 #: and grows after each that does not (Levenberg and Marquardt), up to all of the mean stress.
 _CAREFUL_SUPPORT, _LESS_SUPPORT, _MORE_SUPPORT = 1e-2, 0.3, 10.0
-#: A careful iteration may take so many times as many steps, and of a sheet mounted slack it ends at this residual: at the
-#: border of what hangs points go to and fro between slack and wrinkled, each with a stiffness of its own. The energy
-#: holds to nine digits.
+#: A careful iteration may take so many times as many steps, and of a sheet mounted slack it ends at this residual: at
+#: the border of what hangs points go to and fro between slack and wrinkled, each with a stiffness of its own. The
+#: energy holds to nine digits.
 _MORE_STEPS, _SLACK_RESIDUAL = 12, 1e-7
 #: A sheet with less than this part of (modulus times volume) as energy is slack.
 _SLACK_ENERGY = 1e-14
