@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from hyperfab.errors import OutputError, UsageError
 from hyperfab.io.atomic import write_files
+from hyperfab.io.cells import is_number
 from hyperfab.io.json_io import dump_json
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
 BESIDE_INPUT = ".out"
 #: The first line of a table that hf writes: names whose unit stands in them.
 _OWN_HEAD = re.compile(rb"[A-Za-z][\w.+-]*(,[\w.+-]*)*")
-#: A row that a machine or a logger writes, in either decimal, and how much of a file is searched for one.
-_NUMBERS, _LOOKED_AT = re.compile(rb"\s*-?\d[-+.\dEe:]*(\s*[,;\t]\s*-?[-+.\dEe]+)+\s*"), 65536
+#: So much of a file is searched for a row of numbers.
+_LOOKED_AT = 65536
 
 
 class Output:
@@ -125,12 +126,11 @@ class Output:
     def _is_foreign(self, path: Path) -> bool:
         """Whether a table of numbers stands at ``path`` that hf did not write: no document lists it, nor is its head
         one of hf's."""
-        if not path.is_file():
+        if not (path.is_file() and os.access(path, os.R_OK)):
             return False
         with path.open("rb") as file:
             head, *rows = file.read(_LOOKED_AT).splitlines() or [b""]
-        of_numbers = any(_NUMBERS.fullmatch(row) for row in rows)
-        return of_numbers and not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
+        return any(map(_of_numbers, rows)) and not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
 
     def _refuse(self, path: Path, inputs: Inputs) -> None:
         if is_input(path, inputs):
@@ -155,6 +155,16 @@ class Output:
             for name in found["files"]
             if isinstance(name, str) and name.startswith(f"{target.stem}.") and name == Path(name).name
         }
+
+
+def _of_numbers(row: bytes) -> bool:
+    """Whether a machine or a logger wrote a row of a table: numbers behind a number or a time.
+
+    >>> [_of_numbers(row) for row in (b"0;25,1", b"28.11.2026 10:00:00,25.1,", b"old text, 12", b"12")]
+    [True, True, False, False]
+    """
+    first, *rest = (cell.strip(' "') for cell in re.split(r"[,;\t]", row.decode("latin-1")))
+    return any(rest) and first.lstrip("+-")[:1].isdigit() and all(is_number(cell) for cell in rest if cell)
 
 
 def check_place(target: str) -> None:
