@@ -161,7 +161,7 @@ def test_a_square_mounted_slack_is_followed_while_its_corners_hang(hold):
     assert 0.0 < outcome.solved[0].state.force < here.force
     # What the punch is pushed with is what the energy rises by per depth.
     assert (above.energy - below.energy) / 0.2 == pytest.approx(here.force, rel=1e-3)
-    assert here.residual < 1e-6
+    assert here.residual <= 1e-6
 
 
 def test_prestretched_sheet():
