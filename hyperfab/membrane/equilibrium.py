@@ -29,8 +29,9 @@ _LARGEST_STEP = 0.15
 _SMALLEST_PART = 1e-2
 #: With full stick, a node that comes to touch this often in one step is not let go again.
 _KEPT_AFTER = 2
-#: Artificial tension never falls below this part of the mean stress, so that slack nodes have some stiffness.
-_LEAST_SUPPORT = 1e-6
+#: Artificial tension never falls below this part of the mean stress, so that slack nodes have some stiffness; that of a
+#: careful iteration never below the other.
+_LEAST_SUPPORT, _LEAST_CAREFUL = 1e-6, 1e-9
 #: A careful iteration begins with this support; it shrinks to a part after each step that lowers the energy as a whole,
 #: and grows after each that does not (Levenberg and Marquardt), up to all of the mean stress.
 _CAREFUL_SUPPORT, _LESS_SUPPORT, _MORE_SUPPORT = 1e-2, 0.3, 10.0
@@ -217,7 +218,7 @@ class Press:
                 return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
             step, chosen, part = self._step(depth, places, touching, system, careful)
-            hold = max(hold * _LESS_SUPPORT, 1e-9) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
+            hold = max(hold * _LESS_SUPPORT, _LEAST_CAREFUL) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
             if self.tangential.holds:
                 # A node that sticks where it lands jumps there: one that was let go and came back is kept.
                 entered += chosen & ~touching
