@@ -248,6 +248,8 @@ def test_what_a_push_reads_behind_a_burst_is_left_out_and_a_way_back_is_told(
     assert count == 51
     assert "yields.csv, line 43: from here on the force falls, by 50 % of the peak" in err
     assert told("whole.csv", down, force) == (41, "")
+    below = np.append(down, after) - 30.0  # counted to the foot of the machine
+    assert told("below.csv", below, np.append(force, np.full(10, 0.01))) == (41, "")
 
 
 def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -165,8 +165,9 @@ def pushed(job: Job, table: Table, along: str) -> Table:
     Warned of is a force that falls for good while the machine goes on, and one that is another on the way back: no
     sheet or sandwich of a model does either, and both would be fitted. The rows are as the machine wrote them.
     """
-    way, force = 1.0 + table[along] / max(float(np.ptp(table[along])), 1e-300), table["force"]
-    end = broken(way, force) if np.all(way > 0.0) else len(way)
+    depth, force = table[along], table["force"]
+    way = 1.0 + (depth - np.min(depth)) / max(float(np.ptp(depth)), 1e-300)
+    end = broken(way, force)
     if end < len(way):
         gone = Counter(table.left_out) + Counter({"behind the burst": len(way) - end})
         table = replace(_rows(table, np.arange(end)), left_out=dict(gone))
