@@ -156,7 +156,7 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
             stripped = _COMMENT.sub("#", stripped)
         if stripped.startswith(("#", '"#')) and not (body and _no_reading(stripped)):
             key, colon, value = stripped.strip(";,\t").strip('"').lstrip("#").partition(":")
-            if colon and not body and "\t" not in key and ";" not in key:  # a head may tell the time of day
+            if colon and not body and not re.search("[\t;]", key.strip()):  # a head may tell the time of day
                 one = heading(key.strip(), 0)  # also "# width [mm]: 25"
                 stated = f"{value.strip()} {one.unit}" if one.unit else value.strip()
                 name, entry = entry_of(one.label, stated, number, own=True)

@@ -9,10 +9,11 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
+from hyperfab.io.cells import is_number
 from hyperfab.io.csv_numbers import numbers, other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain
-from hyperfab.io.headings import meaning, unread_unit
+from hyperfab.io.headings import is_of, meaning, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
 from hyperfab.io.role_words import missing, no_stress, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
@@ -226,8 +227,14 @@ class _Reader:
     def _through(self, column: Column, place: str) -> Column:
         """Return the length beside an extension that is counted anew for each part, in which both move alike."""
         whole = self.roles.first(("length",), place)
-        if whole is None or column.name.removesuffix(place) != "extension" or whole.heading.unit is None:
+        if (
+            whole is None
+            or column.name.removesuffix(place) != "extension"
+            or not is_of(whole.heading.unit or "", "length")
+        ):
             return column
+        if not all(map(is_number, self.sheet.columns[whole.heading.index])):
+            return column  # what nothing needs may lack readings
         way, length = (self._values(one, "length", one.name) for one in (column, whole))
         apart = np.abs(np.diff(way - length))
         anew = apart > _ANEW * np.ptp(length)

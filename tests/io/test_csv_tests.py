@@ -191,6 +191,12 @@ def test_membrane_stress_stays_force_per_width_until_a_thickness_is_known() -> N
     assert found.stress.tolist() == [2.0, 3.0]
 
 
+@pytest.mark.parametrize("line", ["#\twidth: 25 mm", "# width\t: 25 mm", "#\twidth [mm]\t: 25", '"# width\t: 25 mm";;'])
+def test_a_line_of_metadata_may_be_set_with_tabs(line: str) -> None:
+    text = f"# test: uniaxial\n{line}\n# thickness: 0.8 mm\nstretch [-];force [N]\n1.1;2\n1.2;4\n"
+    assert one(text).stress.tolist() == pytest.approx([0.1, 0.2])
+
+
 def test_what_is_known_of_a_row_comes_from_columns_or_metadata() -> None:
     text = (
         "# temperature: 296.65 K\n# rate: 60 %/min\n"

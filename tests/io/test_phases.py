@@ -75,3 +75,14 @@ def test_an_extension_that_begins_anew_with_each_part_of_a_cycle_gives_way_to_th
     assert ("Displacement_mm begins anew in mid-test; Size_mm is taken" in found.notes) is (wander == 0.0)
     if not wander:
         assert found.stretch == pytest.approx(np.array(lengths) / 30.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("title", "cell"),
+    [("length [mm]", ""), ("gap [mm]", "n/a"), ("length [%]", "104"), ("size [kB]", "7"), ("size_min_mm", "5")],
+)
+def test_a_length_beside_an_extension_may_lack_readings_or_be_none(title: str, cell: str) -> None:
+    rows = "".join(f"{k},{2 * k},{50 + k if k % 3 else cell}\n" for k in range(12))
+    sizes = "# test: uniaxial\n# width: 10 mm\n# thickness: 2 mm\n# gauge length: 50 mm\n"
+    [found] = read_tests(f"{sizes}extension [mm],force [N],{title}\n{rows}".encode(), "a.csv")
+    assert found.stretch == pytest.approx(1.0 + np.arange(12) / 50.0)
