@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
-from hyperfab.io import headings as titles
+from hyperfab.io import headings
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
@@ -95,7 +95,7 @@ def read_table(
         taken = {heading.index for heading, _ in wanted.values()}
         for heading in _others(sheet, taken, rest):
             # Of what the command line says to be of that kind the title still tells whose it is.
-            told = titles.heading(heading.title, heading.index) if heading.name == rest else heading
+            told = headings.heading(heading.title, heading.index) if heading.name == rest else heading
             if told.label.casefold() in map(str.casefold, wanted):
                 raise sheet.wrong(
                     f"is {told.label}, as another column is",

@@ -1,8 +1,4 @@
-"""Fabric tests as testing machines export them, read into stretch and nominal stress.
-
-Sizes may stand in columns of a table, the same in all rows of a specimen. What no test can have shown is most likely a
-wrong unit, a wrong column or a wrong sign.
-"""
+"""Fabric tests as testing machines export them, read into stretch and nominal stress."""
 
 from __future__ import annotations
 
@@ -18,19 +14,18 @@ from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
-from hyperfab.io.csv_numbers import numbers, settle_decimal
+from hyperfab.io.csv_numbers import numbers
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import setting_along
-from hyperfab.io.headings import Heading, suffixed
-from hyperfab.io.kinds_of_tests import TESTS, is_pulled, said, tests_of_rows
+from hyperfab.io.impossible import refuse_impossible
+from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.loading import Loading, read_loading
 from hyperfab.io.phases import in_one
 from hyperfab.io.role_words import no_test, understood
-from hyperfab.io.roles import STRESSES, STRETCHES, STRONGEST, Column, Roles, fits, read, roles, with_names
+from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, with_names
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
-from hyperfab.io.settings import SIZES, Entry
 from hyperfab.io.side_by_side import may_be_specimens, specimens
+from hyperfab.io.sizes_of_rows import parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
@@ -110,8 +105,7 @@ def _read_sheet(
     sheet = _with_readings(sheet, columns)
     if not sheet.lines:
         raise sheet.wrong("has no row with readings", remedy="export the readings too")
-    every = [one.heading for one in columns.columns.values()]
-    mark = settle_decimal(sheet, [one for one in every if any(map(is_number, sheet.columns[one.index][:3]))], decimal)
+    mark = columns.decimal_mark(sheet, decimal)
     sheet = _without_stale_row(sheet, columns, mark)
     notes: list[str] = []
     columns = with_names(sheet, columns, mark, notes)
@@ -250,152 +244,3 @@ def _groups(
     for row, key in enumerate(zip(tests, directions, specimens, strict=True)):
         found.setdefault(key, []).append(row)
     return {key: np.array(rows, dtype=np.int64) for key, rows in found.items()}
-
-
-#: Beyond these no fabric or rubber was ever tested: a wrong unit or a wrong column. The stress is the largest of a
-#: test, in MPa or N/mm.
-LARGEST_STRETCH = 50.0
-PEAK_STRESS = (1e-9, STRONGEST)
-#: Up to this share of the rows of a push may read tension.
-_FEW = 0.1
-
-
-def _as_strain(sheet: CsvSheet, column: Column) -> str:
-    """Return the option that says of a column that it is a strain, in its unit."""
-    return sheet.option([(column.heading.title, f"strain [{column.heading.unit or '-'}]")])
-
-
-def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: bool) -> list[str]:
-    """Return what was read that no test shows, in few rows: they stay. InputError, with the line, where it is the file.
-
-    What is merely odd is the fit's to judge. Without ``clock`` times are not judged.
-    """
-    if found.mode in ("volumetric", "simple-shear"):
-        return []
-    stretch, stress = found.stretch, found.stress
-
-    def refuse(row: int, message: str, remedy: str) -> InputError:
-        line = None if found.lines is None else int(found.lines[row])
-        return InputError(message, file=sheet.name, line=line, remedy=remedy)
-
-    held = found.stretch2 is not None or found.time_s is not None  # a strip test across, a relaxation
-    if len(stretch) > 1 and np.ptp(stretch) == 0.0 and not held:
-        raise refuse(0, f"the stretch is {stretch[0]:g} in all {len(stretch)} rows", "export the stretch of every row")
-    peak = float(np.abs(stress).max())
-    # A pull may begin with slack; what is nowhere longer than at rest was not pulled.
-    below = 0.9 if stretch.max() > 1.001 else max(0.9, 0.5 * (1.0 + float(stretch.min())))
-    swapped = (
-        np.flatnonzero((stretch < below) & (stress > 0.05 * peak))
-        if peak > 0.0 and found.mode != "biaxial-general"
-        else np.array([], dtype=int)
-    )
-    told = []
-    # A glitch of the load cell, or a platen that sticks, is no wrong column.
-    if swapped.size > _FEW * np.count_nonzero(stretch < below):
-        row = int(swapped[0])
-        pull, push = columns.first(STRETCHES), columns.first(STRESSES)
-        remedy = "are the columns of stretch and stress swapped?"
-        if pull is not None and pull.name == "stretch" and stretch.min() < 0.5 and stress.min() >= 0.0:
-            remedy = f"is it a strain? then say {_as_strain(sheet, pull)}; {remedy}"
-        elif push is not None and pull is not None:
-            signed = pull.name not in ("stretch", "length")  # none of these is below nothing
-            for turned, where in [(pull, "it was pulled")] * signed + [(push, "pushing counts as positive")]:
-                flip = sheet.option([(turned.heading.title, f"-{turned.name} [{turned.heading.unit or '-'}]")])
-                remedy += f" where {where}, say {flip};" if turned is pull or not is_pulled(sheet) else ""
-            remedy = remedy.rstrip(";")
-        raise refuse(
-            row,
-            f"tension ({stress[row]:g} {found.stress_unit}) at a stretch of {stretch[row]:g}, below 1",
-            remedy,
-        )
-    if swapped.size:
-        lines = swapped if found.lines is None else found.lines[swapped]
-        told.append(f"tension below a stretch of 1 in {len(lines)} of {len(stretch)} rows, first line {lines[0]}")
-    pull = columns.first(STRETCHES)
-    if pull is not None and pull.name == "strain" and sheet.layout.choice(pull.heading, sheet.headings) is None:
-        rest = int(np.abs(stress).argmin())
-        # No strain is one at rest, and none carries less the larger it is: both are stretches, the latter of a push.
-        pushed = stretch.max() - 0.02 < stretch[rest] > stretch.min() + 0.02
-        if abs(stretch[rest] - 2.0) < 0.02 and (pushed or abs(stress[rest]) <= 0.02 * peak) and stretch.min() > 1.2:
-            title = pull.heading.title
-            raise refuse(
-                rest,
-                f"a strain of {stretch[rest] - 1.0:g} where the stress is {stress[rest]:g}",
-                f"is it a stretch? then say {sheet.option([(title, 'stretch')])}; if it is none, "
-                f"{_as_strain(sheet, pull)}",
-            )
-    if clock and found.time_s is not None:
-        back = np.flatnonzero(np.diff(found.time_s) < 0.0)
-        if back.size and found.cycle is None and found.branch is None and found.rate_1_s is None:
-            column = columns.columns.get("time")
-            drop = "" if column is None else f"; without the times: {sheet.option([(column.heading.title, 'aside')])}"
-            raise refuse(
-                int(back[0]) + 1,
-                f"the time goes back from {found.time_s[back[0]]:g} s to {found.time_s[back[0] + 1]:g} s",
-                f"sort the rows, or tell the specimens apart in a column named specimen{drop}",
-            )
-    row = int(stretch.argmax())
-    if stretch[row] > LARGEST_STRETCH or stretch.min() < 1.0 / LARGEST_STRETCH:
-        row = row if stretch[row] > LARGEST_STRETCH else int(stretch.argmin())
-        raise refuse(row, f"no fabric reaches a stretch of {stretch[row]:g}", "check the unit of the column")
-    if peak > 0.0 and not PEAK_STRESS[0] < peak < PEAK_STRESS[1]:
-        row = int(np.abs(stress).argmax())
-        raise refuse(row, f"no fabric carries {peak:g} {found.stress_unit} at most", "check the unit of the column")
-    return told
-
-
-def parted_by_sizes(sheet: CsvSheet) -> list[CsvSheet]:
-    """Return a table for each set of sizes that its columns state, these among what it states; else the sheet.
-
-    A column is one of sizes where it holds one number for each specimen, in all its rows or in the first alone; one
-    that changes with the rows is a reading, and stays.
-    """
-    columns = [head for head in sheet.headings if _may_be_size(sheet, head)]
-    if not columns:
-        return [sheet]
-    told = [
-        held_down([cell or None for cell in sheet.columns[head.index]])
-        for head in sheet.headings
-        if (one := read(head)) is not None and one.name in ("specimen", "direction", "test")
-    ]
-    specimens: dict[tuple[str | None, ...], list[int]] = {}
-    for row in range(len(sheet.lines)):
-        specimens.setdefault(tuple(cells[row] for cells in told), []).append(row)
-    taken: list[Heading] = []
-    sizes: list[list[str]] = [[] for _ in specimens]
-    for head in columns:
-        cells = sheet.columns[head.index]
-        values = [{cells[row] for row in rows} - {""} for rows in specimens.values()]
-        if all(len(one) == 1 and is_number(min(one)) for one in values):
-            taken.append(head)
-            for own, [value] in zip(sizes, values, strict=True):
-                own.append(value)
-    parts: dict[tuple[str, ...], list[int]] = {}
-    for own, rows in zip(sizes, specimens.values(), strict=True):
-        parts.setdefault(tuple(own), []).extend(rows)
-    return [_part(sheet, taken, own, sorted(rows)) for own, rows in parts.items()]
-
-
-def _may_be_size(sheet: CsvSheet, head: Heading) -> bool:
-    """Whether a column is called as a size is that no line of the contract's form states, and gives no stretch."""
-    sized = suffixed(head)
-    key = setting_along(sized.label)[0]
-    if sized.unit is None and len(sized.label) <= 2:
-        return False  # b, w and a0 are letters of other things too
-    if key not in SIZES or any(one.sure for one in sheet.metadata.get(key, [])):
-        return False
-    what = read(head)
-    others = {one.name for other in sheet.headings if other is not head and (one := read(other)) is not None}
-    free = what is None or what.name == "aside" or (what.name == "length" and bool(others & {*STRETCHES}))
-    return free and sheet.layout.choice(head, sheet.headings) is None
-
-
-def _part(sheet: CsvSheet, heads: list[Heading], sizes: tuple[str, ...], rows: list[int]) -> CsvSheet:
-    """Return the table of some rows, whose columns ``heads`` hold one size each."""
-    metadata = {key: list(entries) for key, entries in sheet.metadata.items()}
-    for head, size in zip(map(suffixed, heads), sizes, strict=True):
-        key, axis = setting_along(head.label)
-        entry = Entry(f"{size} {head.unit or ''}".strip(), sheet.lines[rows[0]], sure=False, axis=axis)
-        metadata.setdefault(str(key), []).append(entry)
-    kept = tuple(head for head in sheet.headings if head not in heads)
-    return replace(sheet.of_rows(rows), metadata=metadata, headings=kept)

@@ -68,7 +68,6 @@ class Heading:
 def meaning(head: Heading) -> Meaning | None:
     """Return what a column holds by its words and its unit, or None where neither is known.
 
-    >>> from hyperfab.io.headings import heading
     >>> meaning(heading("Standardkraft [N]", 0)), meaning(heading("Deformation [mm]", 0)).name
     (Meaning(name='force', axis='', compressive=False, rank=0), 'extension')
     """

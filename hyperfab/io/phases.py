@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.io.cells import is_number
-from hyperfab.io.csv_numbers import numbers, settle_decimal
+from hyperfab.io.csv_numbers import numbers
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.roles import STRETCHES, Column, roles
 from hyperfab.io.settings import Entry
@@ -53,14 +53,7 @@ def _readings(sheet: CsvSheet, column: Column, decimal: str | None) -> Array:
     """Return the readings of a column (n,), those that are numbers."""
     cells = [cell for cell in sheet.columns[column.heading.index] if is_number(cell)]
     columns = tuple(cells if one.index == column.heading.index else [] for one in sheet.headings)
-    return numbers(replace(sheet, columns=columns), column.heading, _mark(sheet, decimal))
-
-
-def _mark(sheet: CsvSheet, decimal: str | None) -> str:
-    used = roles(sheet).columns.values()
-    return settle_decimal(
-        sheet, [one.heading for one in used if any(map(is_number, sheet.columns[one.heading.index][:3]))], decimal
-    )
+    return numbers(replace(sheet, columns=columns), column.heading, roles(sheet).decimal_mark(sheet, decimal))
 
 
 def _joined(test: CsvSheet, phase: CsvSheet, decimal: str | None) -> CsvSheet:
@@ -70,7 +63,7 @@ def _joined(test: CsvSheet, phase: CsvSheet, decimal: str | None) -> CsvSheet:
     if clock is not None and all(map(is_number, phase.columns[clock.heading.index])):
         before, after = (_readings(one, clock, decimal) for one in (test, phase))
         if len(before) and after[0] < before[-1]:
-            mark = _mark(phase, decimal)
+            mark = roles(phase).decimal_mark(phase, decimal)
             more[clock.heading.index] = [f"{time:.12g}".replace(".", mark) for time in after + before[-1]]
     return replace(
         test,

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.io import heading_words
 from hyperfab.io.cells import is_number, plain_values
-from hyperfab.io.csv_numbers import numbers
+from hyperfab.io.csv_numbers import numbers, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, axis_of, plain, word_for, words
 from hyperfab.io.headings import KIND, Heading, is_gauged, is_of, meaning, suffixed
@@ -75,6 +75,11 @@ class Roles:
     def first(self, names: Sequence[str], place: str = "") -> Column | None:
         """Return the column of the first of ``names`` that is there, along the axis ``place`` (nothing or " 2")."""
         return next((self.columns[name + place] for name in names if name + place in self.columns), None)
+
+    def decimal_mark(self, sheet: CsvSheet, given: str | None) -> str:
+        """Return the decimal mark of these columns of ``sheet``, but for those that begin with words."""
+        heads = [one.heading for one in self.columns.values()]
+        return settle_decimal(sheet, [one for one in heads if any(map(is_number, sheet.columns[one.index][:3]))], given)
 
 
 def fits(heads: Sequence[Heading]) -> bool:
