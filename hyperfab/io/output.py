@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 #: What stands before the ending of a sibling whose own name is an input: ``k17.out.csv`` beside ``k17.csv``.
 BESIDE_INPUT = ".out"
-#: The first line of a table that hf writes: names whose unit stands in them.
-_OWN_HEAD = re.compile(rb"[A-Za-z][\w.+-]*(,[\w.+-]*)*")
 #: So much of a file is searched for a row of numbers.
 _LOOKED_AT = 65536
 
@@ -104,7 +102,7 @@ class Output:
         if not self.wants_files:
             return
         self._refuse(Path(self.target), inputs)
-        names = {suffix: self._name(suffix, inputs) for suffix in self._siblings}
+        names = {suffix: self._name(suffix, inputs, data) for suffix, data in self._siblings.items()}
         earlier = self._written_earlier(document.get("format"))
         document = {**document, "files": sorted(path.name for path in names.values())}
         batch = [(names[suffix], data) for suffix, data in self._siblings.items()]
@@ -115,22 +113,23 @@ class Output:
                 with contextlib.suppress(OSError, ValueError):
                     path.unlink()
 
-    def _name(self, suffix: str, inputs: Inputs) -> Path:
-        """Return the path of a sibling; UsageError where it is an input, or ``NAME.out.csv`` for ``NAME.csv``."""
+    def _name(self, suffix: str, inputs: Inputs, data: bytes | None = None) -> Path:
+        """Return the path of a sibling with this ``data``, once it is known; UsageError where it is an input."""
         path = self.path(suffix)
-        if suffix == ".csv" and (is_input(path, inputs) or self._is_foreign(path)):
+        if suffix == ".csv" and (is_input(path, inputs) or (data is not None and self._is_foreign(path, data))):
             path = self.path(BESIDE_INPUT + suffix)
         self._refuse(path, inputs)
         return path
 
-    def _is_foreign(self, path: Path) -> bool:
-        """Whether a table of numbers stands at ``path`` that hf did not write: no document lists it, nor is its head
-        one of hf's."""
+    def _is_foreign(self, path: Path, data: bytes) -> bool:
+        """Whether a table of numbers stands at ``path`` that hf did not write: the document there does not list it, and
+        its head is another than that of ``data``."""
         if not (path.is_file() and os.access(path, os.R_OK)):
             return False
         with path.open("rb") as file:
             head, *rows = file.read(_LOOKED_AT).splitlines() or [b""]
-        return any(map(_of_numbers, rows)) and not _OWN_HEAD.fullmatch(head) and path not in self._written_earlier(None)
+        own = head == data.splitlines()[0] or path in self._written_earlier(None)
+        return not own and any(map(_of_numbers, rows))
 
     def _refuse(self, path: Path, inputs: Inputs) -> None:
         if is_input(path, inputs):

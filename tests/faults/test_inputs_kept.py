@@ -206,11 +206,12 @@ def test_a_name_without_an_ending_gets_its_own_and_the_null_device_takes_a_docum
     assert (tmp_path / "page.html").is_file()
 
 
+@pytest.mark.parametrize("head", [b"time [s],T1 [degC]", b"time_s,T1_degC"])
 def test_curves_give_way_to_a_table_that_was_measured_and_go_back_when_it_is_gone(
-    hf: Run, root: Path, tmp_path: Path
+    hf: Run, root: Path, tmp_path: Path, head: bytes
 ) -> None:
     shutil.copy(root / TEST, tmp_path / "test.csv")
-    log = b"time [s],T1 [degC]\n0,25.0\n60,31.5\n"
+    log = head + b"\n0,25.0\n60,31.5\n"
     (tmp_path / "k17.csv").write_bytes(log)
     fit = ("fit", "--uniaxial", "test.csv", "--model", "yeoh-1", "-o", "k17.json")
     for _ in range(2):
