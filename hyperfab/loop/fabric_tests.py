@@ -98,10 +98,10 @@ def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tu
 
 
 def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
-    """Return which rows (n,) are of sheets that hang slack where they would have to push: those pulled of curves
-    without readings clearly below zero, one of two axes also where it is shorter than at rest. What is thick enough
-    pushes back."""
-    found = (path.stretch >= 1.0) | (path.mode == GENERAL)
+    """Return which rows (n,) are of sheets that hang slack where they would have to push: those of curves that pull,
+    without readings clearly below zero. What is thick enough pushes back. A crosshead that comes back a hair too far
+    leaves a sheet as slack as before."""
+    found = ~path.pressed
     for curve in curves:
         if curve.channel == 0:
             read = stress[curve.rows]

@@ -97,6 +97,27 @@ def test_only_what_reads_no_push_hangs(thick: bool) -> None:
         np.testing.assert_allclose(made.predict(own, offset).min(), -0.01, atol=1e-12)
 
 
+def test_a_crosshead_that_comes_back_a_hair_too_far_leaves_the_sheet_slack() -> None:
+    """One row beyond rest, where the law would push, weighed as much as all others: a set was named for the rate."""
+    tests = [cycle(rate, (1.3, 1.0)) for rate in RATES]
+    tests = [replace(one, stretch=np.append(one.stretch[:-1], 1.0 - 2.5e-6)) for one in tests]
+    made = fabric_problem(law("yeoh-3"), (0.02, 0.0, 0.0), tests)
+    assert made.fabric.hang is not None
+    assert made.fabric.hang.all()
+    found = close(made, design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("rate",))
+
+
+def test_what_was_pressed_does_not_hang() -> None:
+    pull = cycle(0.05, (1.3, 1.0))
+    push = replace(pull, stretch=2.0 - pull.stretch + 1e-3, stress=-pull.stress, source="push", specimen="push")
+    made = fabric_problem(law("yeoh-3"), (0.02, 0.0, 0.0), [pull, push])
+    hang, (pulled, pressed) = made.fabric.hang, made.fabric.path.curves
+    assert hang is not None
+    assert hang[pulled].all()
+    assert not hang[pressed].any()
+
+
 def test_the_shift_of_a_clock_is_told_where_it_is_read_at_two_temperatures() -> None:
     def forms(*at: tuple[float, float]) -> set[str]:
         tests = [
