@@ -40,10 +40,11 @@ class Choice:
 
     def fits(self, head: Heading, alone: bool) -> bool:
         """Whether it is meant for a column: by its title or label, else by its number from 1."""
-        title = plain(self.title)
-        if title and title in (plain(head.title), plain(head.label)):
+        # A column that is named already has that name for a label; what stands in the file names it still.
+        names = {head.title, head.label, heading(head.title, head.index).label}
+        if plain(self.title) and plain(self.title) in map(plain, names):
             return True
-        if self.title.strip() and fold(self.title) in (fold(head.title), fold(head.label)):
+        if self.title.strip() and fold(self.title) in map(fold, names):
             return True
         return alone and re.fullmatch(r"#?\s*" + str(head.index + 1), self.title.strip()) is not None
 

@@ -384,6 +384,15 @@ def test_an_option_for_a_column_that_is_nowhere_is_refused() -> None:
         layout(["Kraft=force [quux]"])
 
 
+@pytest.mark.parametrize("title", ["Q", "Q [kPa]", "2"])
+def test_a_column_is_named_with_its_unit_or_without(title: str) -> None:
+    """Without it the column was read so, and then said to be in no file."""
+    columns = layout([f"{title}=stress [kPa]"])
+    found = read_tests(b"# test: uniaxial\nstrain [-],Q [kPa]\n0.1,100\n0.2,200\n", "a.csv", columns=columns)
+    assert found[0].stress.tolist() == [0.1, 0.2]
+    assert found[0].chosen == columns.columns
+
+
 def workbook_with(part: str, data: bytes) -> bytes:
     stream = BytesIO(exports.percent_cells())
     with zipfile.ZipFile(stream, "a") as book:
