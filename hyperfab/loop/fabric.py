@@ -88,7 +88,9 @@ class FabricProblem(Problem):
 
         Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the
         extension bends all curves of a kind as another law does; what they give with the load does so where there is
-        but one. Where each direction was tested at a temperature of its own, either may be what they differ by.
+        but one. Where each direction was tested at a temperature of its own, either may be what they differ by. A zero
+        that wanders beside a stress that relaxes shows where a specimen waits or is let go: in pulls alone both go on
+        as the stretch does, and a law that is not quite the fabric's leaves as much.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
@@ -100,6 +102,9 @@ class FabricProblem(Problem):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))
+        wanders = "load-offset" in forms and forms["load-offset"].name in load_offset.IN_TIME
+        if wanders and "rate" in given and not (context.unloads or np.any(context.path.still)):
+            alike.append(frozenset({"load-offset", "elastic-law"}))
         again = any(np.any(np.diff(context.path.up[rows]) > 0) for rows in context.path.curves)
         if context.unloads and not again:  # none was pulled once more after it was let go
             same = {"hysteresis", "mullins", "permanent-set"}

@@ -194,6 +194,28 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
     assert alike((loop, 0.01), (loop, 0.1), slack="play") == [one_loop]
 
 
+@pytest.mark.parametrize(("form", "named"), [("drift", True), ("settling", True), ("constant", False)])
+def test_a_zero_that_wanders_shows_where_a_specimen_waits_or_is_let_go(form: str, named: bool) -> None:
+    pull = np.linspace(1.0, 1.4, 20)
+
+    def alike(lam: np.ndarray, beside: str) -> list[set[str]]:
+        tests = [
+            TestCurve("uniaxial", lam, pull[0] + 0.0 * lam, time_s=np.arange(len(lam)) / rate, source=f"{rate}")
+            for rate in (0.1, 1.0)
+        ]
+        problem = fabric_problem(laws()["neo-hookean"], (0.2,), tests)
+        forms = {name: problem.effect(name).forms[0] for name in (beside, "load-offset")}
+        return [
+            set(one) for one in problem.look_alikes(forms | {"load-offset": problem.effect("load-offset").form(form)})
+        ]
+
+    both = {"load-offset", "elastic-law"}
+    assert (both in alike(pull, "rate")) == named
+    assert both not in alike(pull, "grip-slack")
+    assert both not in alike(np.concatenate([pull, pull[-2::-1]]), "rate")
+    assert both not in alike(np.concatenate([pull, np.full(10, pull[-1])]), "rate")
+
+
 def test_what_the_plan_of_the_tests_cannot_tell_is_said_to_be_alike() -> None:
     lam = np.linspace(1.0, 1.4, 20)
 
