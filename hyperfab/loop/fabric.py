@@ -90,7 +90,8 @@ class FabricProblem(Problem):
         extension bends all curves of a kind as another law does; what they give with the load does so where there is
         but one. Where each direction was tested at a temperature of its own, either may be what they differ by. A zero
         that wanders beside a stress that relaxes shows where a specimen waits or is let go: in pulls alone both go on
-        as the stretch does, and a law that is not quite the fabric's leaves as much.
+        as the stretch does, and a law that is not quite the fabric's leaves as much. Where all were pulled along both
+        axes, what each arm has of its own is what warp and weft may differ by.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
@@ -105,6 +106,9 @@ class FabricProblem(Problem):
         wanders = "load-offset" in forms and forms["load-offset"].name in load_offset.IN_TIME
         if wanders and "rate" in given and not (context.unloads or np.any(context.path.still)):
             alike.append(frozenset({"load-offset", "elastic-law"}))
+        if np.all(context.path.mode == GENERAL):
+            arms = [name for name in ("grip-slack", "load-offset") if name in forms and forms[name].of_each]
+            alike += [frozenset({name, "anisotropy"}) for name in arms]
         again = any(np.any(np.diff(context.path.up[rows]) > 0) for rows in context.path.curves)
         if context.unloads and not again:  # none was pulled once more after it was let go
             same = {"hysteresis", "mullins", "permanent-set"}

@@ -216,6 +216,24 @@ def test_a_zero_that_wanders_shows_where_a_specimen_waits_or_is_let_go(form: str
     assert both not in alike(np.concatenate([pull, np.full(10, pull[-1])]), "rate")
 
 
+@pytest.mark.parametrize("effect", ["grip-slack", "load-offset"])
+def test_what_each_arm_of_a_cruciform_has_of_its_own_is_not_told_from_warp_and_weft(effect: str) -> None:
+    lam = np.linspace(1.0, 1.1, 20)
+    arms = [
+        TestCurve("biaxial-general", lam, lam - 1.0, stretch2=lam, direction=angle, source=f"{angle}", specimen="1")
+        for angle in (0.0, 90.0)
+    ]
+    strip = TestCurve("uniaxial", lam, lam - 1.0, direction=0.0, source="strip")
+
+    def alike(form: str, *tests: TestCurve) -> bool:
+        problem = fabric_problem(laws()["neo-hookean"], (0.2,), [*arms, *tests])
+        return {effect, "anisotropy"} in problem.look_alikes({effect: problem.effect(effect).form(form)})
+
+    assert alike("each")
+    assert not alike("each", strip)
+    assert not alike("play" if effect == "grip-slack" else "constant")
+
+
 def test_what_the_plan_of_the_tests_cannot_tell_is_said_to_be_alike() -> None:
     lam = np.linspace(1.0, 1.4, 20)
 
