@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from hyperfab.errors import InputError
+from hyperfab.io.dictionary import reading
 from hyperfab.io.headings import Heading, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.rows import Row
@@ -44,6 +45,7 @@ class CsvSheet:
             lambda one: one.name,
             lambda one: suffixed(one).name,
             lambda one: m.name if (m := meaning(suffixed(one))) is not None and not m.axis else None,
+            lambda one: reading(suffixed(one).label),
         )
         for name_of in read:
             found = [suffixed(one) if name_of is not read[0] else one for one in self.headings if name_of(one) in names]

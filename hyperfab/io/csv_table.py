@@ -14,7 +14,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import fold
+from hyperfab.io.dictionary import fold, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
@@ -78,7 +78,9 @@ def read_table(
     def fits(heads: Sequence[Heading]) -> bool:
         names = {one.name for one in heads} | {suffixed(one).name for one in heads}
         names |= {m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names}
-        return set(columns) <= names
+        names |= {told for one in heads if (told := reading(suffixed(one).label)) is not None}
+        # Where none is due, a line of words above the table has none of them.
+        return set(columns) <= names and (bool(columns) or len(names & {*(optional or {})}) > 1)
 
     offered = layout is not None
     layout = layout or PLAIN

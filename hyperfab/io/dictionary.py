@@ -69,6 +69,17 @@ def looked_up(label: str) -> tuple[Meaning, ...]:
 
 
 @cache
+def reading(label: str) -> str | None:
+    """Return what a column of a pushed sheet or of a press holds by its label, or None.
+
+    >>> reading("Eindringtiefe"), reading("Épaisseur"), reading("Weg")
+    ('depth', 'thickness', None)
+    """
+    told = (name for name, phrases in heading_words.READINGS.items() if plain(label) in words(phrases))
+    return next(told, None)
+
+
+@cache
 def _dictionary() -> dict[str, tuple[Meaning, ...]]:
     found: dict[str, list[Meaning]] = {}
     told = [(Meaning(name), phrases) for name, phrases in heading_words.COLUMNS.items()]

@@ -139,6 +139,18 @@ COMPRESSIVE: dict[str, str] = {
 PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatischer druck; presion;
     presion hidrostatica; pression; pression hydrostatique; pressione; pressione idrostatica; pressao;
     pressao hidrostatica"""
+#: Columns of a pushed sheet and of a press, for which no test of a fabric is asked.
+READINGS: dict[str, str] = {
+    "depth": """penetration; penetration depth; indentation depth; tiefe; eindringtiefe; eindrucktiefe; profondeur;
+        profondeur de penetration; enfoncement; profundidad; profundidad de penetracion; profondita; profondita di
+        penetrazione; profundidade; profundidade de penetracao""",
+    "stroke": "press stroke; hub; hubweg; pressenhub; schliessweg; course; carrera; corsa; curso",
+    "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression; pression de contact;
+        presion; presion de contacto; pressione; pressione di contatto; pressao; pressao de contato""",
+    "thickness": "dicke; epaisseur; espesor; spessore; espessura",
+    "height": "hohe; hauteur; altura; altezza",
+    "contact": "kontakt; contacto; contatto; contato",
+}
 #: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
 ACROSS: dict[str, str] = {
     "strain": """lateral strain; transverse strain; transversal strain; cross strain; width strain; strain across;

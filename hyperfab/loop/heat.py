@@ -112,6 +112,29 @@ class HeatProblem(Problem):
             found.append(Table(at, share * power - np.where(power == 0.0, 0.0, back * above)))
         return found
 
+    def bench_degC(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Table:
+        """Return how warm [degC] what the mold stands on is over the first run."""
+        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
+        settings, _ = self._settings(own[None, :], [terms])
+        under = mold.bench.weights @ mold.bench.rows / np.sum(mold.bench.weights)
+        face = replace(mold, probes=under[None, :]).run(clock, settings)[0, :, 0]
+        air = mold.surroundings(clock) + settings.air_K(0, clock)[:, -1]
+        share, time = settings.of(0, "bench_share", "bench_s")
+        # It follows the face in the time it takes; between two times the face changes evenly.
+        follows, steps = share * (face - air), np.diff(clock) / max(time, 1e-9)
+        warmed = np.zeros(len(clock))
+        for k, step in enumerate(steps):
+            slope = (follows[k + 1] - follows[k]) / step
+            warmed[k + 1] = follows[k + 1] - slope + (warmed[k] - follows[k] + slope) * np.exp(-step)
+        return Table(clock, air + warmed)
+
+    def joint_share(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Table:
+        """Return how many times better the opened joints conduct over the first run than at the mold's start."""
+        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
+        settings, _ = self._settings(own[None, :], [terms])
+        mean = replace(mold, probes=mold.mean[None, :]).run(clock, settings)[0, :, 0]
+        return Table(clock, 1.0 + np.maximum(settings.of(0, "joint_per_K") * (mean - mold.reference_degC), -0.95))
+
     def temperatures(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> tuple[Array, Array]:
         """Return the temperatures [degC] over the first run at which films and materials are read, row by row of time:
         those of the faces that have a film, and the parts' means.

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.loop.belief import allowed
 from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit, fit
@@ -96,10 +97,13 @@ def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | N
 
 
 def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
-    """Yield of a probe without which the model explains all others how it is off, and by how much."""
+    """Yield of a probe without which the model explains all others how it is off, and by how much.
+
+    It explains them where it leaves as little as a named effect may.
+    """
     if len(problem.curves) < 3:
         return
-    tried = []
+    tried, most = [], max(SMALL, allowed(found.before.judgement.structured))
     for curve in problem.curves:
         silent = found.noise.plain.sd.copy()
         silent[curve.rows] = np.inf
@@ -107,7 +111,7 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
         again = fit(problem, replace(found.noise.plain, sd=silent), {}, given, iterations=_STEPS)
         free = len(again.residual) - (curve.stop - curve.start) - len(again.x)
         beyond = again.chi2 / max(free, 1) - 1.0
-        if beyond <= SMALL**2 and not is_strained(problem, again):
+        if beyond <= most**2 and not is_strained(problem, again):
             tried.append((again.cost, curve, again))
     if tried:
         _, curve, again = min(tried, key=lambda one: one[0])

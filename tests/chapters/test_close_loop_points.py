@@ -26,6 +26,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError
+from hyperfab.io.layout import PLAIN
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.press_reading import Reading
 
@@ -186,6 +187,50 @@ def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.Mon
     csv(press / "warming.csv", "stroke [mm],force [N],temperature [degC]", rows)
     with pytest.raises(InputError, match="give a file for each temperature"):
         read_press(job, "warming.csv", None)
+
+
+@pytest.mark.parametrize(
+    ("head", "kind"),
+    [
+        ("x (cm);y (cm);z (cm);Druck (mbar)", "pressure"),
+        ("x [mm];y [mm];z [mm];Épaisseur [mm]", "thickness"),
+        ("x [mm];y [mm];z [mm];Film A", None),
+        ("Hub [mm];Kraft [N]", "force"),
+        ("Presión [kPa];Espesor [mm]", "fabric"),
+        ("Eindringtiefe;Kraft\nmm;mN", "depth"),
+        ("Profondità [mm];Forza [N]", "depth"),
+    ],
+)
+def test_readings_of_presses_and_sheets_are_found_under_other_languages_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, head: str, kind: str | None
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(
+        ";".join(f"{(i + k) % 7 + 1},25" for k in range(head.partition("\n")[0].count(";") + 1)) + "\n"
+        for i in range(6)
+    )
+    (tmp_path / "read.csv").write_text(f"Prüfer: M. B.\n\n{head}\n{rows}")
+    job = Job("close-loop", [], Console(True))
+    if kind == "depth":
+        curve, _ = read_force_depth(job, "read.csv", PLAIN)
+        assert curve.depth[0] == 1.25
+    elif kind is None:
+        with pytest.raises(InputError, match=r'--columns "Film A=pressure \[MPa\]"'):
+            read_press(job, "read.csv", PLAIN)
+    else:
+        assert read_press(job, "read.csv", PLAIN)[0].kind == kind
+
+
+@pytest.mark.parametrize(("said", "time"), [("4 s", 4.0), ("1.5 min", 90.0), ("14:05", None), ("3.4.2024", None)])
+def test_when_a_film_was_read_may_stand_above_the_table(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, time: float | None
+) -> None:
+    """A date or a time of day is no time since the press has closed."""
+    monkeypatch.chdir(tmp_path)
+    head = f"# time: {said}\nx [mm],y [mm],z [mm],pressure [MPa]"
+    csv(tmp_path / "film.csv", head, np.arange(12.0).reshape(4, 3), np.arange(4.0))
+    found = read_press(Job("close-loop", [], Console(True)), "film.csv", None)[0].time_s
+    assert found is None if time is None else np.array_equal(found, np.full(4, time))
 
 
 def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -75,9 +75,7 @@ TIMES = np.linspace(0.0, 1800.0, 61)
 #: Between the runs of two reduced molds [K]: each has a basis of its own, and tables are linear between their rows.
 NEAR_K = 0.02
 #: The forms that a mold document has no key for; each is told of.
-NO_KEY = {
-    "bench that warms up", "uneven", "closing with warmth", "each, closing with warmth",
-}  # fmt: skip
+NO_KEY = {"uneven"}
 
 
 @dataclass(frozen=True)

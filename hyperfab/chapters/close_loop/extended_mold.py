@@ -34,6 +34,8 @@ _FILES = ("table", "stl", "schedule", "document")
 #: Endings of the tables an extended mold may have beside it.
 TABLES = (
     *(f".{what}-*.csv" for what in ("film", "power", "conductivity", "specific-heat")),
+    ".bench.csv",
+    ".joint.csv",
     ".ambient.csv",
     ".ambient-*.csv",
 )
@@ -64,9 +66,9 @@ def extend(
     wider.heaters(lambda: problem.given_off(fit.x[: fit.own], fit.terms))
     wider.starts()
     wider.surroundings()
-    wider.joints()
+    wider.joints(lambda: problem.joint_share(fit.x[: fit.own], fit.terms))
     wider.radiation()
-    wider.base()
+    wider.base(lambda: problem.bench_degC(fit.x[: fit.own], fit.terms))
     wider.probes()
     _named(mold, stem)
     files[".model.toml"] = dump_toml(mold)
@@ -252,23 +254,30 @@ class _Wider:
         self.files[name] = table
         return {"table": name}
 
-    def joints(self) -> None:
-        """Write the conductance of joints: of the document's, and of those that conduct perfectly in it."""
+    def joints(self, share: Callable[[], Table]) -> None:
+        """Write the conductance of joints: of the document's, and of those that conduct perfectly in it.
+
+        What rides on the temperature is the conductance they had in this run.
+        """
         pairs = self.problem.pairs
         for index, contact in enumerate(self.document.contact):
             h = contact.h * self.own.get(f"contact.{index}.h", 1.0)
             h /= 1.0 + self.at(f"resistance.{len(pairs) + index}") * h
             self.mold["contact"][index]["h"] = f"{h!r} W/m^2/K"
         opened = [self.amounts.get(f"resistance.{k}") for k in range(len(pairs))]
-        for pair, resistance in zip(pairs, opened, strict=True):
-            if resistance is not None:
-                h = 1.0 / max(resistance, 1e-7)
-                self.mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K"})
+        best, own = 1.0, {}
         if self.at("joint_per_K"):
+            over = share()
+            best, own = float(np.max(over.y)), {"schedule": ".joint.csv"}
+            self.files[".joint.csv"] = _csv("time [s]", "contact [-]", over.x, over.y / best)
             self.notes.append(
                 f"contact-resistance: the joint conducts {100.0 * self.at('joint_per_K'):.3g} % better a kelvin, for "
-                "which a mold document has no key; the extended model has its conductance at the start"
+                "which a mold document has no key; the extended model has its conductance in this run as its schedule"
             )
+        for pair, resistance in zip(pairs, opened, strict=True):
+            if resistance is not None:
+                h = best / max(resistance, 1e-7)
+                self.mold.setdefault("contact", []).append({"between": list(pair), "h": f"{h!r} W/m^2/K", **own})
         if any(self.at(f"joint_{way}") for way in _OVER_A_FACE):
             self.notes.append(_UNEVEN.format("contact-resistance: the joint is better in places"))
 
@@ -285,24 +294,27 @@ class _Wider:
                 {"on": places, "emissivity": self.amounts["emissivity"], "ambient": one}
             )
 
-    def base(self) -> None:
-        """Give the faces the mold stands on a film."""
+    def base(self, bench: Callable[[], Table]) -> None:
+        """Give the faces the mold stands on a film, to a bench that is as warm as it was in this run."""
         if "bench" not in self.amounts:
             return
         first = next((kind for kind, faces in self.faces.items() if faces), None)
         air = self.reduced.reference_degC + self.own.get("ambient", 0.0)
         ambient = f"{air!r} degC" if first is None else self.ambient(first, 0)
+        if self.at("bench_share"):
+            warm = bench()
+            self.files[".bench.csv"] = _csv("time [s]", "temperature [degC]", warm.x, warm.y)
+            ambient = {"table": ".bench.csv"}
+            self.notes.append(
+                f"base-conduction: the bench takes on {100.0 * self.at('bench_share'):.3g} % of the base's warmth "
+                f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "
+                "the bench as warm as it was in this run"
+            )
         places = list(self.problem.base)
         _uncover(self.mold, places)
         self.mold.setdefault("convection", []).append(
             {"on": places, "h": f"{self.amounts['bench']!r} W/m^2/K", "ambient": ambient}
         )
-        if self.at("bench_share"):
-            self.notes.append(
-                f"base-conduction: the bench takes on {100.0 * self.at('bench_share'):.3g} % of the base's warmth "
-                f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "
-                "a bench as cold as the ambient"
-            )
         if any(self.at(f"bench_{way}") for way in _OVER_A_FACE):
             self.notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -29,7 +30,7 @@ from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
-from hyperfab.io.layout import Layout
+from hyperfab.io.layout import Layout, filled_in
 from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
@@ -118,22 +119,25 @@ def read_press(
     if "stroke" in table and "force" in table:
         table = pushed(job, table, "stroke")
         table = once(table, ("force", "force sd"), left_out, along="stroke")
-        stroke, time = table["stroke"], table.columns.get("time")
-        force = Reading(name, "force", table["force"], stroke=stroke, time_s=time, temperature=temperature)
+        force = Reading(
+            name, "force", table["force"], stroke=table["stroke"], time_s=_time(table), temperature=temperature
+        )
         return force, spread(table, "force")
     if "pressure" in table and "thickness" in table and "x" not in table:
         table = once(table, ("thickness", "thickness sd"), left_out, along="pressure")
         return Reading(name, "fabric", table["thickness"], load=table["pressure"]), spread(table, "thickness")
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
+        unread = [(title, "pressure [MPa]") for title in table.aside[-1:] if not kinds]
         raise InputError(
             "is no reading of a press",
             file=name,
             remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
-            '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"',
+            '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
+            + (f"; or say which it is, as in {filled_in(unread)}" if unread else ""),
         )
     table = once(table, (kinds[0], f"{kinds[0]} sd"), left_out)
-    time, values = table.columns.get("time"), table[kinds[0]]
+    time, values = _time(table), table[kinds[0]]
     kind: Kind = _OTHER.get(kinds[0], kinds[0])  # type: ignore[arg-type]
     if kind == "contact":
         remedy = "write 1 where it touches and 0 where it does not"
@@ -142,6 +146,15 @@ def read_press(
     if kind == "mounting":
         values = values - np.mean(values)
     return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(table, kinds[0])
+
+
+def _time(table: Table) -> Array | None:
+    """Return when each row was read [s], from a column or, of all of them, the metadata; a date or a time of day there
+    says nothing of that.
+    """
+    if "time" in table or not re.fullmatch(r"\d+(\.\d+)? *[^\W\d]*", table.metadata.get("time", "")):
+        return table.columns.get("time")
+    return np.full(len(table.lines), stated_in(table, "time", "time"))
 
 
 def _temperature(table: Table) -> float | None:
