@@ -227,19 +227,39 @@ def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[s
         passing = [state for state in order if frozenset(state.ids) in accepted]
         if best is not base and explains(base, best):
             # More terms, these or others, have to pay where the fewer explain what was there.
-            beyond = 0.5 * (best.excess - 1.0)
-            passing = [state for state in passing if state.judgement.is_small and state.excess - 1.0 <= beyond]
+            passing = [state for state in passing if _says_more(search, best, state)]
         if passing:
             best = passing[0] if explains(base, passing[0]) else search.polished(passing[0])
             beam = [best, *[state for state in beam if frozenset(state.ids) != frozenset(best.ids)]][: len(beam)]
-        # A model that misses three times as much as the best would only find its way to the same terms.
-        beam = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
-        if best.judgement.is_small and len(best.ids) == depth + 1:
+        done = best.judgement.is_small and len(best.ids) == depth + 1
+        if done and not search.plainer(best):
             break
+        beam = _to_grow_on(search, beam, done)
         # A further name would cost more than is left to take.
         if search.problem.describes and explains(base, best) and surprise(best) <= 0.5 * MARGIN * (depth + 1):
             break
     return best, tried
+
+
+def _says_more(search: Search, best: Candidate, state: Candidate) -> bool:
+    """Whether a model of more terms, or others, pays where one explains what was there already.
+
+    It takes half of what is left, or stands in place of a form of many constants, which costs more by BIC.
+    """
+    if not state.judgement.is_small or state.excess - 1.0 <= 0.5 * (best.excess - 1.0):
+        return state.judgement.is_small
+    bic = common_bic([best.fit, state.fit], search.problem, search.noise)
+    return bool(search.plainer(best)) and bic[state.ids] <= bic[best.ids] - MARGIN
+
+
+def _to_grow_on(search: Search, beam: list[Candidate], done: bool) -> list[Candidate]:
+    """Return the models that further terms are added to, also in simpler forms; these alone where all is told."""
+    plain = [state for larger in beam for state in search.plainer(larger)]
+    if done:
+        return [*(state for state in beam if not search.plainer(state)), *plain]
+    # A model that misses three times as much as the best would only find its way to the same terms.
+    kept = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
+    return [*kept, *plain]
 
 
 def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, evidence: Evidence) -> bool:

@@ -167,6 +167,25 @@ class Search:
                 state = self.state(again)
         return state
 
+    def plainer(self, state: Candidate) -> list[Candidate]:
+        """Return the model with one of its terms in the simple form that it refines by at least three constants.
+
+        Where laws are physics so many may stand in for a second name, which costs fewer.
+        """
+        found = []
+        for name, form in state.fit.forms.items() if not self.problem.describes else ():
+            simple = [
+                one
+                for one in self.problem.effect(name).forms
+                if form.refines is not None and one.refines is None and len(form.constants) - len(one.constants) > 2
+            ]
+            others = [(key, one.name) for key, one in state.fit.forms.items() if key != name]
+            fits = [self._fits.get(tuple(sorted([*others, (name, one.name)]))) for one in simple]
+            fitted = [one for one in fits if one is not None]
+            if fitted:
+                found.append(self.state(min(fitted, key=lambda one: one.chi2)))
+        return found
+
     def enriched(self, state: Candidate) -> Candidate:
         """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC.
 

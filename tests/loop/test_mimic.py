@@ -134,3 +134,53 @@ def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
     monkeypatch.setattr(confounding, "_misfit", lambda *given: 0.0)
     monkeypatch.setattr(confounding, "surprise", lambda state: state.surprise)
     assert confounding.does_the_same(search, best, other, lambda: 1.0) == told  # type: ignore[arg-type]
+
+
+X, Y = np.random.default_rng(5).uniform(-1.0, 1.0, (2, 160))
+
+
+class Plan(Problem):
+    """Readings over a square: a polynomial of one name does what two others do together."""
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return the level and what the terms add."""
+        shapes = {"turn": [Y], "share": [X**2], "uneven": [X, Y, X**2, X * Y, Y**2]}
+        found = own[0] + np.zeros(len(X))
+        for name, (_, values) in terms.items():
+            found = found + sum(value * shape for value, shape in zip(values, shapes[name], strict=False))
+        return np.asarray(found)
+
+
+def plan(truth: Mapping[str, tuple[str, Array]]) -> Plan:
+    def form(name: str, count: int, simpler: str | None = None) -> Form:
+        constants = tuple(Constant(f"{name}{k}", 0.0, -9.0, 9.0, 0.1) for k in range(count))
+        return Form(name, constants, ((0.1,) * count,), ((0.1,) * count,), refines=simpler)
+
+    def effect(name: str, *forms: Form) -> Effect:
+        return Effect(name, name, "nothing", "made up", forms)
+
+    effects = (
+        effect("turn", form("plain", 1)),
+        effect("share", form("plain", 1)),
+        effect("uneven", form("plain", 1), form("rich", 5, "plain")),
+    )
+    curves = tuple(Curve(f"{k}", 40 * k, 40 * k + 40, np.arange(40.0)) for k in range(4))
+    exact = Plan(np.zeros(160), curves, (Constant("level", 1.0),), effects)
+    exact.measured = exact.predict(np.array([1.0]), truth) + 0.02 * np.random.default_rng(1).standard_normal(160)
+    return exact
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [
+        {"turn": ("plain", np.array([0.5])), "share": ("plain", np.array([0.4]))},
+        {"uneven": ("rich", np.array([0.4, 0.3, 0.4, 0.3, -0.3]))},
+    ],
+    ids=["two", "one"],
+)
+def test_a_form_of_many_constants_does_not_stand_for_two_names_of_one_each(
+    truth: dict[str, tuple[str, np.ndarray]],
+) -> None:
+    found = close(plan(truth), noise=0.02, design=False)
+    assert found.verdict == "effect"
+    assert set(found.after.ids) == set(truth)
