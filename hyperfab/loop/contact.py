@@ -240,6 +240,12 @@ class ContactProblem(FilesProblem[ForceDepth]):
         return found
 
 
+def _way(one: ForceDepth) -> tuple[int, str, float | None]:
+    """Return how a sheet was pushed: into how many segments its file is cut, how warm [degC], with which friction."""
+    warm = "" if one.temperature is None else f"{np.mean(one.temperature):.0f} to {np.max(one.temperature):.0f}"
+    return max(1, min(4, len(one.depth) // _SEGMENT)), warm, one.friction
+
+
 def contact_problem(
     sheet: Sheet,
     files: Sequence[ForceDepth],
@@ -252,10 +258,13 @@ def contact_problem(
     constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in sheet.names]
     constants.append(Constant("depth.zero", 0.0, -5.0, 5.0, ZERO_SD, ZERO_SD))
     curves, row = [], 0
-    for one in files:
-        count = max(1, min(4, len(one.depth) // _SEGMENT))
-        for part in np.array_split(np.arange(len(one.depth)), count):
-            curves.append(Curve(one.name, row + int(part[0]), row + int(part[-1]) + 1, one.depth[part], setup=""))
+    ways = [_way(one) for one in files]
+    for one, way in zip(files, ways, strict=True):
+        # Sheets pushed alike are specimens of one cloth, and differ in stiffness.
+        again = one.name if ways.count(way) > 1 else ""
+        for k, part in enumerate(np.array_split(np.arange(len(one.depth)), way[0])):
+            setup, begin = again and f"{way} {k}", row + int(part[0])
+            curves.append(Curve(one.name, begin, begin + len(part), one.depth[part], setup=setup, specimen=again))
         row += len(one.depth)
     known_T = [one.temperature for one in files if one.temperature is not None]
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)

@@ -80,6 +80,18 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     return _with_replicates(problem, plain, louder, free)
 
 
+def among_specimens(problem: Problem, noise: Noise) -> Noise:
+    """Return the noise with how much specimens that were tested alike scatter in stiffness; as it is without such."""
+    groups, alike = _specimens(problem, 0)
+    if not groups:
+        return noise
+    y = problem.measured
+    starts = tuple(curve.start for curve in problem.curves)
+    told = replace(noise, starts=starts, groups=groups, alike=alike, pattern=y.copy(), measured=y.copy())
+    found = _with_replicates(problem, told, np.ones_like(y), free=False)
+    return found if found.gain_sd else noise
+
+
 def _specimens(problem: Problem, channel: int) -> tuple[tuple[Ints, ...], tuple[tuple[int, ...], ...]]:
     """Return the rows of each specimen in a channel, and which of them were tested in each way."""
     curves = [curve for curve in problem.curves if curve.channel == channel and curve.specimen]

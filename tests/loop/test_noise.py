@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from loop.blind import problem_of
 from loop.generators import fabric as truths
 
+from hyperfab.loop.contact import ForceDepth, contact_problem
+from hyperfab.loop.emulator import Axis
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.noise_estimate import estimate_noise
+from hyperfab.loop.noise_estimate import among_specimens, estimate_noise
 
 
 def test_spread_is_what_a_perfect_model_misses_by():
@@ -52,3 +56,35 @@ def test_noise_of_each_curve_is_its_own_where_they_clearly_differ(louder: float)
     assert levels == pytest.approx([0.002, 0.002, 0.002 * louder, 0.002], rel=0.3)
     if louder == 1.0:
         assert levels == [levels[0]] * 4
+
+
+class OfDepth:
+    """What stands for a sheet: a force that grows with the depth, whatever its settings."""
+
+    axes = tuple(Axis(name, base, 0.1) for name, base in (("prestretch", 0.0), ("friction", 0.0), ("slip", 0.0)))
+    emulator: Any = property(lambda self: self)
+    names, knots, friction = ("C10_MPa",), np.linspace(1.0, 20.0, 9), True
+
+    def __call__(self, settings: np.ndarray) -> np.ndarray:
+        return np.append(self.knots, 1.0)
+
+
+@pytest.mark.parametrize("warm", [False, True])
+def test_sheets_pushed_alike_scatter_in_stiffness(warm: bool) -> None:
+    """Those at another temperature are no replicates."""
+    rng, depth = np.random.default_rng(6), np.linspace(0.5, 20.0, 60)
+    files = [
+        ForceDepth(
+            f"{k}.csv", depth, gain * depth**3 * (1.0 + 0.003 * rng.standard_normal(60)), np.full(60, 23.0 + more)
+        )
+        for k, (gain, more) in enumerate([(1e-3, 0.0), (1.08e-3, 40.0 if warm else 0.0)])
+    ]
+    sheet: Any = OfDepth()
+    problem = contact_problem(sheet, files, reference_degC=23.0)
+    plain = Noise(np.maximum(0.003 * problem.measured, 1e-4), 40.0, "local differences")
+    found = among_specimens(problem, plain)
+    if warm:
+        assert found is plain
+    else:
+        assert found.gain_sd == pytest.approx(0.08 / 1.04 / np.sqrt(2.0), rel=0.1)
+        assert len(found.groups) == 2

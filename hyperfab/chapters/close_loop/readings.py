@@ -21,6 +21,7 @@ from hyperfab.io.units import quantity, quantity_of
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
 from hyperfab.loop.noise import Noise
+from hyperfab.loop.noise_estimate import among_specimens
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, loudness
 from hyperfab.loop.thresholds import FEWEST, UNLIKELY
@@ -89,7 +90,7 @@ class Files(Generic[F]):
             for rows, size, known in _loudness(problem.measured, group):
                 sd[rows] = size
                 unsure += len(rows) ** 2 / known
-        return Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source)
+        return among_specimens(problem, Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source))
 
 
 def read_files(
