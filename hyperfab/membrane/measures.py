@@ -90,3 +90,13 @@ def wrinkled_fraction(sheet: Sheet, places: Array) -> float:
     weights = sheet.mesh.weights.ravel()
     loose = sheet.response(places).state != TAUT
     return float(weights[loose].sum() / weights.sum()) if loose.any() else 0.0
+
+
+def difference(new: State, old: State, smooth: bool) -> float:
+    """Return by which share the force of two meshes differs: on a ``smooth`` punch at least by that of the energy.
+
+    Forces of two meshes may be alike by chance; hardly ever is the energy then, whose slope by the depth they are.
+    """
+    force = abs(new.force - old.force) / max(abs(new.force), 1e-300)
+    energy = abs(new.energy - old.energy) / max(abs(new.energy), 1e-300)
+    return max(force, energy) if smooth else force

@@ -18,7 +18,7 @@ from hyperfab.arrays import Array
 from hyperfab.membrane.contact import Frictionless, Tangential
 from hyperfab.membrane.contact_edge import ContactEdge, ContactFront, contact_edge
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.measures import Fields, fields
+from hyperfab.membrane.measures import Fields, difference, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
@@ -47,6 +47,9 @@ _FINER_EDGE, _FINER = 1.6, 1.25
 #: A change of the force from one mesh to the next overestimates the error left by at least this on P2 elements; on
 #: P1, whose error falls by the square of _FINER away from the edge of contact, it underestimates it.
 _CAUTION = {1: 0.25, 2: 3.0}
+#: Level and growth of a mesh that is coarser everywhere, and not at the edge of contact alone, by which the first force
+#: is judged too: two meshes that are alike around a small sphere err alike there.
+_COARSER_LEVEL, _COARSER_GROWTH = -1.5, 0.5
 _MOST_LEVELS = 8
 #: Iterations allowed on facets: nodes slide over edges before they settle.
 _ON_FACETS = 30
@@ -162,21 +165,22 @@ def fitted_mesh(test: SphereTest, edges: Sequence[ContactEdge | ContactFront]) -
 
 def _fitted_triangles(test: SphereTest, edges: Sequence[ContactEdge | ContactFront], level: float) -> Triangles:
     coarse = test.mesh_size / _FINER**level
+    growth = _GROWTH if level >= 0.0 else _COARSER_GROWTH
     on_sphere = min(coarse, test.radius * _ON_SPHERE / _FINER**level)
     sizes: list[SizeField] = []
     for edge in edges:
         points = edge.points()
         least = max(_FINEST * test.mesh_size, _FINEST_OF_SPAN * float(np.ptp(points, axis=0).max()))
         fine = min(test.mesh_size * _AT_EDGE, max(0.3 * edge.mean, least)) / _FINER_EDGE**level
-        sizes.append(graded(points, fine, coarse, _GROWTH))
+        sizes.append(graded(points, fine, coarse, growth))
 
     # Friction points towards the pole from all sides: the stretch has a cusp there.
-    pole = graded(np.zeros((1, 2)), _AT_POLE * coarse, coarse, _GROWTH)
+    pole = graded(np.zeros((1, 2)), _AT_POLE * coarse, coarse, growth)
 
     def size(points: Array) -> Array:
         wanted = pole(points) if test.friction.remembers else np.full(len(points), coarse)
         for edge, at_edge in zip(edges, sizes, strict=True):
-            inner = on_sphere + _GROWTH * edge.beyond(points)
+            inner = on_sphere + growth * edge.beyond(points)
             wanted = np.minimum(wanted, np.minimum(at_edge(points), inner))
         return wanted
 
@@ -327,7 +331,15 @@ def _fitted(
             continue
         if not gives:
             triangles = None
-        changes = [_change(new.state, old.state, tests[0].facets is None) for new, old in zip(found, near, strict=True)]
+        changes = [
+            difference(new.state, old.state, tests[0].facets is None) for new, old in zip(found, near, strict=True)
+        ]
+        if tolerance is not None and level == 0.0 and tests[0].facets is None and not gives:
+            coarser = _coarser(tests, found, edges)
+            # Where that one has no equilibrium, the next level's tells.
+            told = told and coarser is not None
+            also = [difference(new.state, old.state, True) for new, old in zip(found, coarser or near, strict=True)]
+            changes = [max(pair) for pair in zip(changes, also, strict=True)]
         errors = [change / caution for change in changes]
         found = [replace(solved, error=error) for solved, error in zip(found, errors, strict=True)]
         done = tolerance is None or (told and max(errors) <= tolerance)
@@ -341,14 +353,15 @@ def _fitted(
         level, told = level if gives else level + 1.0, True
 
 
-def _change(new: State, old: State, smooth: bool) -> float:
-    """Return by which share the force of two meshes differs: on a ``smooth`` punch at least by that of the energy.
-
-    Forces of two meshes may be alike by chance; hardly ever is the energy then, whose slope by the depth they are.
-    """
-    force = abs(new.force - old.force) / max(abs(new.force), 1e-300)
-    energy = abs(new.energy - old.energy) / max(abs(new.energy), 1e-300)
-    return max(force, energy) if smooth else force
+def _coarser(
+    tests: Sequence[SphereTest], found: Sequence[Solved], edges: Sequence[ContactEdge | ContactFront]
+) -> list[Solved] | None:
+    """Solve all tests on a mesh that is coarser everywhere; None where it has no equilibrium."""
+    mesh = _mesh(tests[0], _fitted_triangles(tests[0], edges, _COARSER_LEVEL))
+    try:
+        return [solve_on(test, mesh, solved) for test, solved in zip(tests, found, strict=True)]
+    except NoEquilibriumError:
+        return None
 
 
 def _gives_way(solved: Solved) -> bool:
