@@ -62,7 +62,7 @@ def allowed(before: float) -> float:
 def explains(base: Candidate, state: Candidate) -> bool:
     """Whether what a model leaves is noise, or so little beside what was there that its terms are what was lacking."""
     left = state.judgement
-    return left.is_small or left.structured <= allowed(base.judgement.structured)
+    return left.is_small or left.beside_machine <= allowed(base.judgement.beside_machine)
 
 
 def outweighs_something_else(base: Candidate, state: Candidate) -> bool:

@@ -49,8 +49,8 @@ def fewest(
         for ids in combinations([name for name in best.ids if name != plain], 2):
             search.freed(before, ids)
         found = likeliest(search, before, no_worse)
-    if found is None and len(whole.ids) == 2:
-        # What formulas of two leave may hide a third, which shows beside their smooth laws.
+    if found is None and 0 < len(whole.ids) < 3:
+        # What formulas leave may hide a further name, which shows beside their smooth laws.
         for name in first:
             if name not in whole.ids:
                 search.freed(before, [*whole.ids, name])
@@ -60,13 +60,16 @@ def fewest(
 
 def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
     """Return the likeliest of all models fitted that leaves noise, each of its names needed; None if none does."""
-    limit = max(allowed(structured(before.fit, search.problem, search.noise)), SMALL)
+    least = search.noise.least
+    limit = max(allowed(structured(before.fit, search.problem, search.noise, least)), SMALL)
     # Of few readings noise itself may leave more.
     limit = max(limit, TOLD * (2.0 / len(before.fit.residual)) ** 0.25)
     near = [
         state
         for state in search.states
-        if state.ids and np.isfinite(state.fit.chi2) and structured(state.fit, search.problem, search.noise) <= limit
+        if state.ids
+        and np.isfinite(state.fit.chi2)
+        and structured(state.fit, search.problem, search.noise, least) <= limit
     ]
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
     for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):

@@ -27,11 +27,13 @@ class Judgement:
     """What is left after a fit, against the noise.
 
     ``structured`` is the rms of what is not noise, in standard deviations of the noise, of the kind of reading that is
-    missed most.
+    missed most; ``beside_machine`` the same where the noise is at least what the machine may be off, in the same way in
+    all tests.
     """
 
     chi2_reduced: float
     structured: float
+    beside_machine: float
     p_lack_of_fit: float
     p_autocorrelation: float
     p_greatest_score: float
@@ -44,7 +46,7 @@ class Judgement:
     @property
     def is_small(self) -> bool:
         """Whether what is left is noise, or so far below it that no term could matter."""
-        return self.is_noise or self.structured <= SMALL
+        return self.is_noise or self.beside_machine <= SMALL
 
 
 def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> Judgement:
@@ -54,6 +56,7 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     return Judgement(
         chi2_reduced=ratio,
         structured=structured(fit, problem, noise),
+        beside_machine=structured(fit, problem, noise, noise.least),
         p_lack_of_fit=min(
             _by_chance(ratio, free, noise.dof),
             _worst_by_chance(fit, noise.dof, problem.curves),
@@ -64,15 +67,23 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
     )
 
 
-def structured(fit: Fit, problem: Problem, noise: Noise) -> float:
-    """Return the rms of what is not noise, in its standard deviations, of the kind of reading that is missed most."""
-    each = [*_beyond_of_each(fit, problem), *_beyond_of_stiffness(fit, noise)]
-    return float(np.sqrt(max(fit.chi2 / _degrees(fit) - 1.0, *each, 0.0)))
+def structured(fit: Fit, problem: Problem, noise: Noise, least: float = 0.0) -> float:
+    """Return the rms of what is not noise, in its standard deviations, of the kind of reading that is missed most.
+
+    The noise is at the ``least`` so much of the largest reading of each curve.
+    """
+    weight = np.ones(len(fit.residual))
+    for curve in problem.curves if least else ():
+        read, sd = problem.measured[curve.rows] - (curve.channel != 0), noise.sd[curve.rows]
+        weight[curve.rows] = (sd / np.maximum(sd, least * np.max(np.abs(read)))) ** 2
+    each = [*_beyond_of_each(fit, problem, weight), *_beyond_of_stiffness(fit, noise)]
+    every = float(np.sum(weight * fit.residual**2)) / _degrees(fit) - float(np.mean(weight))
+    return float(np.sqrt(max(every, *each, 0.0)))
 
 
 def structured_of_each(fit: Fit, problem: Problem, noise: Noise) -> Array:
     """Return the same of each kind of reading: of a fabric its stresses, its contraction, how stiff specimens are."""
-    each = _beyond_of_each(fit, problem)
+    each = _beyond_of_each(fit, problem, np.ones(len(fit.residual)))
     if len(each) == 1:
         each = [fit.chi2 / _degrees(fit) - 1.0]
     return np.sqrt(np.maximum([*each, *_beyond_of_stiffness(fit, noise)], 0.0))
@@ -93,8 +104,9 @@ def _off_in_stiffness(fit: Fit, noise: Noise) -> Array:
     return noise.at(fit.predicted).stiffness(fit.residual, SMALL) if noise.gain_sd else np.empty(0)
 
 
-def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:
-    """Return what each kind of reading is missed by beyond noise, as mean square, less what chance does to so few.
+def _beyond_of_each(fit: Fit, problem: Problem, weight: Array) -> list[float]:
+    """Return what each kind of reading is missed by beyond noise, as mean square of rows with a ``weight``, less what
+    chance does to so few.
 
     Many readings of one kind that are met must not hide another that is missed.
     """
@@ -105,8 +117,9 @@ def _beyond_of_each(fit: Fit, problem: Problem) -> list[float]:
     share = len(fit.residual) / _degrees(fit)
     found = []
     for which in np.unique(channel):
-        left = fit.residual[read][channel == which]
-        found.append(float(np.mean(left**2)) * share - 1.0 - 2.0 * float(np.sqrt(2.0 / len(left))))
+        left, own = fit.residual[read][channel == which], weight[read][channel == which]
+        noise = float(np.mean(own)) * (1.0 + 2.0 * float(np.sqrt(2.0 / len(left))))
+        found.append(float(np.mean(own * left**2)) * share - noise)
     return found
 
 

@@ -25,7 +25,8 @@ class Noise:
     ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
     rows of each specimen, ``across`` those of its transverse stretch, ``alike`` and ``alike_across`` which of these are
     of each way of testing; where they are ``centred`` they scatter about a mean of their own, which is told.
-    ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch.
+    ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch. ``least`` is what a
+    machine may be off, in all tests alike, as a share of the largest reading of each.
     """
 
     sd: Array
@@ -43,6 +44,7 @@ class Noise:
     pattern: Array = field(default_factory=lambda: np.empty(0))
     measured: Array = field(default_factory=lambda: np.empty(0))
     centred: bool = False
+    least: float = 0.0
 
     @property
     def plain(self) -> Noise:

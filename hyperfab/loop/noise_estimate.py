@@ -76,6 +76,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         alike_across=alike_across,
         pattern=np.where(problem.channel == 1, 1.0 - y, y),
         measured=y.copy(),
+        least=problem.least_noise if free else 0.0,
     )
     return _with_replicates(problem, plain, louder, free)
 

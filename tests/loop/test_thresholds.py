@@ -47,7 +47,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "close-loop-thresholds.md"
 
 
 def judged(structured: float, p: float = 0.0) -> Judgement:
-    return Judgement(1.0, structured, p, p, p)
+    return Judgement(1.0, structured, structured, p, p, p)
 
 
 def evidence(bic: float = 99.0, share: float = 0.9, help: Help | None = None) -> Evidence:

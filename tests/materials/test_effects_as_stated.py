@@ -227,6 +227,25 @@ def anisotropic(c: tuple[float, ...]) -> Callable[[Row], float]:
     return lambda row: P(row.l) + share(row) * (P(row.l, weft) - P(row.l))
 
 
+def sin2(row: Row) -> float:
+    return math.sin(2.0 * row.angle) ** 2
+
+
+#: Four functions of the stretch, each by its value at rest and what it is more at thirds.
+TURNED = (0.1, -0.2, 0.3, 0.1, -0.3, 0.1, 0.2, -0.1, 0.2, 0.1, -0.1, 0.3, 0.1, 0.2, 0.1, -0.2)
+
+
+def turned(count: int) -> Callable[[Row], float]:
+    def stress(row: Row) -> float:
+        at = math.log(1.0 + 20.0 * math.log(row.l)) / math.log(1.0 + 20.0 * math.log(1.8))
+        bias = sin2(row)
+        ways = (share(row), bias, bias * math.cos(2.0 * row.angle), math.sin(4.0 * row.angle) ** 2)[:count]
+        each = [TURNED[4 * k : 4 * k + 4] for k in range(count)]
+        return P(row.l) * math.exp(sum(h * (g[0] + spline(g[1:], at)) for h, g in zip(ways, each, strict=True)))
+
+    return stress
+
+
 def fibre(row: Row, k1: float, k2: float, along: float) -> float:
     """Slope of ``k1/(2 k2) (exp(k2 <I4 - 1>^2) - 1)``; the sheet contracts as an incompressible one."""
     I4 = row.l**2 * along + (1.0 - along) / row.l
@@ -305,10 +324,11 @@ def plus(one: Callable[[Row], float], other: Callable[[Row], float]) -> Callable
 
 
 def contracting(
-    nu: float, *, slope: bool = False, weft: float | None = None, bend: float = 0.0
+    nu: float, *, slope: bool = False, weft: float | None = None, bend: float = 0.0, between: float = 0.0
 ) -> Callable[[Row], float]:
     def stress(row: Row) -> float:
         own = nu if weft is None else nu + share(row) * (weft - nu)
+        own += between * sin2(row)
         l3 = row.l ** -(own + bend * math.log(row.l))
         l2 = row.l**-0.5 if slope else 1.0 / (row.l * l3)
         x = row.l**2 + l2**2 + (row.l * l2) ** -2 - 3.0
@@ -349,6 +369,8 @@ p, weft = (lambda row: P(row.l)), (-0.1, 0.02, 0.005)
 #: Effect, form, its constants in the order of the form, and the stress of a reading as the page has it.
 STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("anisotropy", "ratio", (0.4,), lambda r: P(r.l) * (1.0 - 0.6 * share(r))),
+    ("anisotropy", "ratios", (0.4, -0.2), lambda r: P(r.l) * (1.0 - 0.6 * share(r) - 0.2 * sin2(r))),
+    *(("anisotropy", f"smooth-{count}", (0.8, *TURNED[: 4 * count]), turned(count)) for count in range(1, 5)),
     ("anisotropy", "constants", weft, anisotropic(weft)),
     ("anisotropy", "warp-fibres", (0.3, 0.8), lambda r: P(r.l) + fibre(r, 0.3, 0.8, 1.0 - share(r))),
     ("anisotropy", "weft-fibres", (0.3, 0.8), lambda r: P(r.l) + fibre(r, 0.3, 0.8, share(r))),
@@ -461,6 +483,7 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("compressibility", "uniform", (0.3,), contracting(0.3)),
     ("compressibility", "slope", (0.3,), contracting(0.3, slope=True)),
     ("compressibility", "directions", (0.3, 0.4), contracting(0.3, weft=0.4)),
+    ("compressibility", "slanted", (0.3, 0.4, 0.2), contracting(0.3, weft=0.4, between=0.2)),
     ("compressibility", "uniform-bent", (0.3, 0.2), contracting(0.3, bend=0.2)),
     ("compressibility", "slope-bent", (0.3, 0.2), contracting(0.3, slope=True, bend=0.2)),
     ("compressibility", "directions-bent", (0.3, 0.4, 0.2), contracting(0.3, weft=0.4, bend=0.2)),
@@ -596,7 +619,7 @@ NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
     ("elastic-law", "smooth-close"), ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
-    ("compressibility", "directions-smooth"), ("hysteresis", "smooth-each-way"),
+    ("compressibility", "directions-smooth"), ("compressibility", "slanted-smooth"), ("hysteresis", "smooth-each-way"),
     ("permanent-set", "smooth-load-each-way"), ("permanent-set", "smooth-flow-load-each-way"),
 }  # fmt: skip
 

@@ -9,6 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
+from hyperfab.loop.belief import allowed
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
@@ -52,9 +53,9 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     if document.held_out is not None:
         lines.append(_held_out(document.held_out))
     if document.verdict == "effect":
-        lines.append(f"{_left(document)}, and {_no_other(found)}.")
+        lines.append(f"{_left(found, document)}, and {_no_other(found)}.")
     if document.verdict == "ambiguous":
-        lines.append(f"{_left(document)}.")
+        lines.append(f"{_left(found, document)}.")
     if document.indistinguishable:
         sets = "; ".join(" or ".join(one) for one in document.indistinguishable)
         lines.append(f"These data cannot tell apart: {sets}.")
@@ -260,16 +261,16 @@ def _no_other(found: Finding) -> str:
     )
 
 
-def _left(document: LoopDocument) -> str:
+def _left(found: Finding, document: LoopDocument) -> str:
     if document.residual.is_noise:
         return "What is left is noise"
     what, chance = _least(document)
     beyond = document.residual.structured
-    size = (
-        f", {beyond:.2g} of a standard deviation of the noise, is small beside it"
-        if beyond
-        else " is no larger than the noise"
-    )
+    size = " is no larger than the noise"
+    if beyond:
+        is_large = beyond > max(SMALL, allowed(found.before.judgement.structured))
+        beside = "no more than a testing machine may be off" if is_large else "small beside it"
+        size = f", {beyond:.2g} of a standard deviation of the noise, is {beside}"
     return f"What is left{size}, though not noise to the tests ({what}: p = {chance:.1g})"
 
 
@@ -281,7 +282,7 @@ def _noise(found: Finding, document: LoopDocument) -> str:
         )
     if document.residual.is_noise:
         return "What is left is noise: these data show nothing that the model lacks."
-    return f"{_left(document)}: too little to name anything for."
+    return f"{_left(found, document)}: too little to name anything for."
 
 
 def _held_out(held: Errors) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.effects.path import Path, second_stretch
+from hyperfab.materials.effects.smooth import CLOSER, through
 from hyperfab.materials.law import Array, Law, scaled
 
 #: Stress [MPa] and energy [MPa] of every row.
@@ -82,6 +83,18 @@ class Ratio(Directions):
         return scaled(warp, float(values[0]))
 
 
+class Ratios(Ratio):
+    """The same, and between warp and weft stresses are more than their mean by a share of those along the warp."""
+
+    nearly = True
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        stress, energy = of(warp)
+        share = path.weft_share
+        factor = 1.0 + share * (values[0] - 1.0) + 4.0 * share * (1.0 - share) * values[1]
+        return stress * factor, energy * factor
+
+
 class Constants(Directions):
     """Each constant along the weft is that along the warp and a number more."""
 
@@ -113,6 +126,32 @@ class Fibres(Directions):
 
 
 @dataclass(frozen=True)
+class Smooth(Directions):
+    """The law's stress times ``exp(sum g h)``, over the first ``count`` of four functions h of the angle from the warp,
+    ``sin^2 a, sin^2 2a, sin^2 2a cos 2a, sin^2 4a``, each with a smooth function g of the stretch.
+
+    After the strain ``reach`` the constants are, for each g, its value at rest and what it is more at even parts of
+    ``ln(1 + CLOSER ln stretch)`` up to there.
+    """
+
+    count: int
+    nearly = True
+
+    def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
+        """Return what the sheet answers whose warp has the constants ``warp``."""
+        stress, energy = of(warp)
+        far = np.log1p(CLOSER * np.abs(np.log(stretch))) / np.log1p(CLOSER * np.log1p(values[0]))
+        weft = path.weft_share
+        bias = 4.0 * weft * (1.0 - weft)
+        ways = (weft, bias, bias * (1.0 - 2.0 * weft), 4.0 * bias * (1.0 - bias))
+        each = values[1:].reshape(self.count, -1)
+        more = sum(way * (one[0] + through(far, one[1:])) for way, one in zip(ways, each, strict=False))
+        # Trials of a fit go anywhere; no factor of a fabric does.
+        factor = np.exp(np.clip(more, -20.0, 20.0))
+        return stress * factor, energy * factor
+
+
+@dataclass(frozen=True)
 class WholeSheet(Directions):
     """Threads in a ground, as one energy of the whole sheet, Orthotropic, with these of its constants; ``k2`` is that
     of warp and weft."""
@@ -139,6 +178,7 @@ REST = WholeSheet((*_WITH_BIAS, "G_MPa"))
 #: The forms in which warp and weft differ.
 FORMS: Mapping[str, Directions] = {
     "ratio": Ratio(),
+    "ratios": Ratios(),
     "constants": Constants(),
     "warp-fibres": Fibres(lambda k, growth: (k, 0.0, growth), 2),
     "weft-fibres": Fibres(lambda k, growth: (0.0, k, growth), 2),
@@ -147,6 +187,7 @@ FORMS: Mapping[str, Directions] = {
     "threads-each": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "G_MPa")),
     "bias-threads": WholeSheet(_WITH_BIAS),
     "sheet": REST,
+    **{f"smooth-{count}": Smooth(count) for count in range(1, 5)},
 }
 
 

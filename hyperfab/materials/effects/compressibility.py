@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,41 +88,45 @@ def of_shape(mode: Array, stretch: Array, second: Array, ratio: Array) -> tuple[
     return stretch / size, np.asarray(other / size)
 
 
+#: The exponents along warp and weft, and what it is more between, of a sheet that keeps its volume.
+_AT_REST = (0.5, 0.5, 0.0)
+
+
 @dataclass(frozen=True)
 class Contraction:
-    """A form of the effect: an exponent of the whole sheet, or of ``each`` direction; ``bent``: with its bend.
+    """A form of the effect: an exponent of the whole sheet, of warp and weft (2 ``ways``), or of these and what it is
+    more between them (3); ``bent``: with its bend.
 
-    ``smooth``: a smooth function of the logarithm of the stretch, or of ``each`` direction one.
+    ``smooth``: each a smooth function of the logarithm of the stretch.
     """
 
-    each: bool = False
+    ways: int = 1
     bent: bool = False
     smooth: bool = False
 
     def absent(self, values: Array) -> bool:
         """Whether the sheet keeps its volume."""
         if self.smooth:
-            return all(bool(one[0] == 0.5 and not np.any(one[1:])) for one in self._smooth_parts(values))
-        return bool(np.all(values[: len(values) - self.bent] == 0.5) and not (self.bent and values[-1]))
+            parts = zip(_AT_REST, self._smooth_parts(values), strict=False)
+            return all(bool(one[0] == null and not np.any(one[1:])) for null, one in parts)
+        return bool(np.all(values[: self.ways] == _AT_REST[: self.ways]) and not (self.bent and values[-1]))
 
     def poisson(self, values: Array) -> float | None:
         """Return the one number that says it all, None where there is no such."""
-        return None if self.each or self.bent or self.smooth else float(values[0])
+        return None if self.ways > 1 or self.bent or self.smooth else float(values[0])
 
     def exponent(self, path: Path, values: Array) -> tuple[Array, float]:
         """Return the exponent of every row, and the bend."""
         if self.smooth:
             way = np.log(path.stretch) / np.log1p(values[0])
-            warp, *weft = (one[0] + through(way, one[1:]) for one in self._smooth_parts(values))
-            return (warp + path.weft_share * (weft[0] - warp) if weft else warp), 0.0
-        nu = np.full_like(path.stretch, values[0])
-        if self.each:
-            nu = nu + path.weft_share * (values[1] - values[0])
+            each = [one[0] + through(way, one[1:]) for one in self._smooth_parts(values)]
+            return _of_way(path.weft_share, each), 0.0
+        nu = _of_way(path.weft_share, [np.full_like(path.stretch, value) for value in values[: self.ways]])
         return nu, float(values[-1]) if self.bent else 0.0
 
     def _smooth_parts(self, values: Array) -> list[Array]:
         """Return, of each direction, the exponent at rest and what it has more at thirds of the reach, told first."""
-        return np.split(values[1:], 2) if self.each else [values[1:]]
+        return np.split(values[1:], self.ways)
 
     def across(self, path: Path, stretch: Array, values: Array) -> Array:
         """Return the transverse stretch of uniaxial rows."""
@@ -163,6 +167,14 @@ class Split(Slope):
         return *of_shape(path.mode, stretch, path.across, ratio), 1.0 / np.cbrt(ratio)
 
 
+def _of_way(weft: Array, each: Sequence[Array]) -> Array:
+    """Return what a row has, by its share of the ``weft``, of warp, weft and what is more between them."""
+    found = each[0]
+    if len(each) > 1:
+        found = found + weft * (each[1] - each[0])
+    return found + 4.0 * weft * (1.0 - weft) * each[2] if len(each) > 2 else found
+
+
 #: The forms in which a sheet changes its volume.
 FORMS: Mapping[str, Contraction] = {
     "uniform": Contraction(),
@@ -172,7 +184,9 @@ FORMS: Mapping[str, Contraction] = {
     "uniform-bent": Contraction(bent=True),
     "uniform-smooth": Contraction(smooth=True),
     "slope-smooth": Slope(smooth=True),
-    "directions": Contraction(each=True),
-    "directions-bent": Contraction(each=True, bent=True),
-    "directions-smooth": Contraction(each=True, smooth=True),
+    "directions": Contraction(ways=2),
+    "directions-bent": Contraction(ways=2, bent=True),
+    "directions-smooth": Contraction(ways=2, smooth=True),
+    "slanted": Contraction(ways=3),
+    "slanted-smooth": Contraction(ways=3, smooth=True),
 }

@@ -75,9 +75,12 @@ class DataContext:
     @property
     def slanted(self) -> Array:
         """The directions in the data between warp and weft, either side of the warp alike [deg]."""
-        turned = self.angles % 180.0
-        folded = np.unique(np.minimum(turned, 180.0 - turned).round(6))
-        return folded[(folded > 1.0) & (folded < 89.0)]
+        return self.ways[(self.ways > 1.0) & (self.ways < 89.0)]
+
+    @property
+    def ways(self) -> Array:
+        """The directions in the data to a sheet that is alike on either side of the warp [deg]."""
+        return np.unique(np.minimum(self.angles % 180.0, -self.angles % 180.0).round(6))
 
     def has_one_curve(self, *, turns: bool, softens: bool) -> bool:
         """Whether all tests are alike but for the specimen, the rate and the amplitude.

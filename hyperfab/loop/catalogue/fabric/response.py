@@ -38,8 +38,12 @@ def anisotropy(context: DataContext) -> Effect:
         tuple(float(v) for v in np.where(linear, factor * c, 0.0)) for factor in (-0.5, 1.0, 0.05)
     )
     singles = [tuple(float(0.05 * size) if i == k else 0.0 for i in range(len(c))) for k in np.flatnonzero(linear)]
+    ratio, between = Constant("weft/warp", 1.0, 0.01, 100.0), Constant("bias-mean", 0.0, -1.0, 100.0, 0.1)
     forms = [
-        Form("ratio", (Constant("weft/warp", 1.0, 0.01, 100.0),), ((0.5,), (2.0,)), ((1.05,),)),
+        Form("ratio", (ratio,), ((0.5,), (2.0,)), ((1.05,),)),
+        *tried_if(
+            len(context.slanted) > 0, Form("ratios", (ratio, between), ((0.5, -0.3), (2.0, -0.3)), refines="ratio")
+        ),
         Form("constants", tuple(away), (softer, stiffer), (little, *singles)),
     ]
     far = (1.0 + context.reach) ** 2 - 1.0
@@ -86,6 +90,13 @@ def anisotropy(context: DataContext) -> Effect:
         # What a law of the whole sheet already has beside its ground.
         own = Form("sheet", (*bias.constants, shear), tuple((*start, 0.05 * stiff) for start in bias.starts))
         forms += tried_if(False, own)
+    # So many functions of the angle tell all directions there are apart.
+    formulas, told = tuple(forms), min(len(context.ways) - 1, 4)
+    at = [Constant(f"g{way}_{k}", 0.0, -5.0, 5.0, 0.1) for way in range(1, 5) for k in range(4)]
+    for count in range(1, 5):
+        constants = (fixed("reach", context.reach), *at[: 4 * count])
+        smooth = freely(formulas, f"smooth-{count}", constants, (context.reach, *count * (-0.1, 0.0, 0.0, 0.0)))
+        forms += tried_if(count == told, smooth)
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
@@ -141,8 +152,16 @@ def compressibility(context: DataContext) -> Effect:
     smooth = [freely(formulas, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
     weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
     smooth_each = freely(formulas, "directions-smooth", (*both, *weft), (*start, *start[1:]))
+    # A strip cut across the threads turns these: it may become narrower than any that keeps its volume.
+    bias = Constant("nu_bias", 0.0, -0.5, 1.0, 0.05)
+    slanted = Form("slanted", (nu, across, bias), ((0.4, 0.4, 0.1),), refines="directions")
+    between = [bias, *(replace(one, name=f"{one.name}_bias") for one in more)]
+    smooth_slanted = freely(
+        [*formulas, slanted], "slanted-smooth", (*both, *weft, *between), (*start, *start[1:], 0.1, *3 * (0.0,))
+    )
     # How a sheet contracts is read, or it is not told.
     read, read_each = context.transverse, context.transverse and len(context.angles) > 1
+    read_slanted = context.transverse and len(context.slanted) > 0
     return Effect(
         id="compressibility",
         title="the sheet does not keep its volume",
@@ -155,6 +174,7 @@ def compressibility(context: DataContext) -> Effect:
             *tried_if(read_each, *each),
             *tried_if(read, *smooth),
             *tried_if(read_each, smooth_each),
+            *tried_if(read_slanted, slanted, smooth_slanted),
         ),
     )
 

@@ -1,0 +1,80 @@
+"""Strips cut at several angles from a sheet that no form of the catalogue is: what differs is its directions."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.curve import TestCurve
+from hyperfab.loop.engine import Finding, close
+from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.judge import Judgement
+from hyperfab.materials.identification.design import Problem
+from hyperfab.materials.identification.fit import fit_law
+from hyperfab.materials.identification.rows import Rows
+from hyperfab.materials.registry import law
+
+ANGLES = (0.0, 22.5, 45.0, 67.5, 90.0)
+#: Of warp, weft and shear: a stiffness [MPa], and the power its stress goes with.
+WAYS = ((1.0, 1.4), (0.4, 2.1), (0.12, 1.7))
+NOISE, SCATTER = 0.003, 0.02
+
+
+def carried(stretch: np.ndarray, angle: float) -> np.ndarray:
+    """Return the stress [MPa] of a strip whose compliances, at a strain, add up as those of linear elasticity do.
+
+    Lekhnitskii (1968), Anisotropic Plates, ch. 2; each of them falls with the strain in its own way.
+    """
+    strain = np.maximum(stretch - 1.0, 1e-9)
+    c, s = np.cos(np.radians(angle)) ** 2, np.sin(np.radians(angle)) ** 2
+    warp, weft, shear = (1.0 / (stiff * strain**power) for stiff, power in WAYS)
+    return 1.0 / (c * c * warp + s * s * weft + c * s * shear)
+
+
+def strips(contracts: bool = False) -> list[TestCurve]:
+    random, found = np.random.default_rng(5), []
+    stretch = np.linspace(1.0, 1.5, 16)
+    for angle in ANGLES:
+        for number in (1, 2):
+            stress = carried(stretch, angle) * (1.0 + SCATTER * random.standard_normal())
+            stress += NOISE * np.max(stress) * random.standard_normal(len(stretch))
+            # Slanted threads turn: there it becomes narrower than a sheet that keeps its volume.
+            exponent = 0.3 + 0.6 * np.sin(2.0 * np.radians(angle)) ** 2 * (1.0 + np.log(stretch))
+            width = stretch**-exponent + 0.001 * random.standard_normal(len(stretch))
+            name = f"{angle:g}-{number}"
+            across = width if contracts else None
+            found.append(
+                TestCurve("uniaxial", stretch, stress, stretch2=across, direction=angle, source=name, specimen=name)
+            )
+    return found
+
+
+def closed(model: str, tests: list[TestCurve]) -> Finding:
+    warp = [
+        TestCurve(one.mode, one.stretch, one.stress, np.ones_like(one.stress)) for one in tests if not one.direction
+    ]
+    fitted = fit_law(Problem(law(model), Rows.of(warp)))
+    assert fitted is not None
+    constants = [fitted.material.parameters[name] for name in law(model).names]
+    return close(fabric_problem(law(model), constants, tests), design=False)
+
+
+@pytest.mark.parametrize("model", ["mooney-rivlin-3", "yeoh-2"])
+def test_a_sheet_of_other_stiffness_at_every_angle_is_anisotropic_and_no_more(model: str) -> None:
+    found = closed(model, strips())
+    # Whether Yeoh's law or the grips bend all curves these tests do not tell.
+    assert found.verdict == {"yeoh-2": "ambiguous"}.get(model, "effect")
+    assert {*found.after.ids} - {"elastic-law"} == {"anisotropy"}
+    assert found.after.judgement.beside_machine <= found.after.judgement.structured
+
+
+def test_strips_that_become_narrower_between_warp_and_weft_need_no_other_name() -> None:
+    found = closed("mooney-rivlin-3", strips(contracts=True))
+    assert found.verdict == "effect"
+    assert {*found.after.ids} == {"anisotropy", "compressibility"}
+
+
+def test_what_a_testing_machine_may_be_off_asks_for_no_other_name() -> None:
+    """Replicates tell how they scatter, not what the machine reads wrong in all of them."""
+    assert Judgement(1.5, 0.7, 0.3, 1e-20, 1e-20, 1e-20).is_small
+    assert not Judgement(1.5, 0.7, 0.7, 1e-20, 1e-20, 1e-20).is_small
