@@ -16,6 +16,7 @@ from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.orthotropic import fit_sheet
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitUncertainty
+from hyperfab.materials.identification.scatter import Weighed, _correlated, by_readings
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
 from hyperfab.materials.registry import law
@@ -189,3 +190,34 @@ def test_one_specimen_shows_no_scatter_and_none_is_made_up(hf: Run, root: Path) 
     assert contact.returncode == 0
     assert "uncertainty" not in json.loads(contact.stdout)
     assert 0.0 < sure["law"] < 2.0
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.9])
+def test_intervals_of_one_specimen_cover_where_readings_err_with_their_neighbours(rho: float) -> None:
+    random = np.random.default_rng(7)
+    lam = np.linspace(1.02, 1.8, 40)
+    inside = []
+    for _ in range(60):
+        error = random.standard_normal(len(lam))
+        for k in range(1, len(lam)):
+            error[k] = rho * error[k - 1] + np.sqrt(1.0 - rho**2) * error[k]
+        stress = 0.2 * (lam - lam**-2) * (1.0 + 0.01 * error)
+        one = fitted([TestCurve(mode="uniaxial", source="a.csv", specimen="1", stretch=lam, stress=stress)], True)
+        inside.append(abs(one.material.parameters["C10_MPa"] - 0.1) <= 1.96 * one.certainty.sd[0])
+    # As if each reading erred by itself they held 16 of the 60 correlated ones.
+    assert np.mean(inside) >= 0.75
+
+
+def test_correlations_of_neighbours_are_those_of_each_curve() -> None:
+    """Against the matrix itself; of a white residual the covariance is that of least squares, but for Student's t."""
+    random = np.random.default_rng(1)
+    together = np.array([True, True, False, True, False])
+    curve, values = np.array([0, 0, 0, 1, 1, 2]), random.standard_normal((6, 2))
+    apart = np.abs(np.subtract.outer(np.arange(6), np.arange(6)))
+    matrix = np.where(np.equal.outer(curve, curve), 0.6**apart, 0.0)
+    assert _correlated(values, together, 0.6) == pytest.approx(matrix @ values, rel=1e-12)
+    basis = np.linalg.qr(random.standard_normal((4000, 2)))[0]
+    left = random.standard_normal(4000)
+    left -= basis @ (basis.T @ left)
+    found = by_readings(Weighed(basis, left, np.ones(4000), np.zeros(4000)), basis, np.eye(2))
+    assert found == pytest.approx(np.eye(2) * (left @ left) / 3998, rel=0.05, abs=0.05)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
-from hyperfab.materials.identification.scatter import Scatter, Weighed, by_specimen
+from hyperfab.materials.identification.scatter import Scatter, Weighed, by_readings, by_specimen
 from hyperfab.materials.law import Array
 
 
@@ -87,8 +87,9 @@ def certainty(
     """Return how sure the constants of one group of rows are: by how specimens scatter, where there are replicates.
 
     ``specimens`` and ``kinds`` are those of ``scatter.by_specimen``. Without replicates the standard deviations are
-    from the curvature at the optimum, as if each reading erred by itself, by the ``deviation`` (rows,) [MPa] that is
-    stated of it or else by what the law misses: how specimens scatter is not in them.
+    from the curvature at the optimum: each reading errs by itself, by the ``deviation`` (rows,) [MPa] that is stated of
+    it, or else with its neighbours, by what the law misses (``scatter.by_readings``). How specimens scatter is not in
+    them.
     """
     found = Weighed(fit.jacobian, fit.residual, fit.problem.b - fit.residual, fit.problem.rows.curve)
     weighed = None if deviation is None else fit.problem.rows.weight * deviation
@@ -114,17 +115,17 @@ def sure_of(
     inverse = np.where(kept, 1.0 / np.where(kept, s, 1.0), 0.0)
     freedom = max(rows - count, 1)
     sse = float(fit.residual @ fit.residual)
-    variance = sse / freedom if rows > count else np.nan
     root = (Vt.T * inverse) / length[:, None]
     leverage = (U[:, kept] ** 2).sum(axis=1)
     spread = change @ root
-    covariance = spread @ spread.T * variance
     scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
     if scatter is not None:
         covariance = scatter.covariance
     elif deviation is not None:
         moved = spread @ U.T * deviation
         covariance = moved @ moved.T
+    else:
+        covariance = by_readings(fit, U, spread)
     sd = np.sqrt(np.diag(covariance))
     with np.errstate(all="ignore"):
         correlation = covariance / np.outer(sd, sd)

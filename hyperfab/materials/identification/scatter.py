@@ -12,13 +12,19 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.linalg import solveh_banded
+from scipy.special import ndtri, stdtr, stdtrit
 
-from hyperfab.arrays import Ints
+from hyperfab.arrays import Flags, Ints
 from hyperfab.materials.law import Array
 
 #: Where intervals are to cover: both tails of 95 %.
 _LEVEL = 0.975
+#: The largest correlation of neighbouring readings, and how many up to there are tried. So many independent readings at
+#: least tell a variance: Student's t of fewer would make of any smooth misfit of a law that it tells nothing.
+_MOST_ALIKE, _TRIED, _FEWEST = 0.98, 20, 4.0
+#: Halvings in which an interval is found.
+_HALVINGS = 60
 #: Influence this small beside the largest is rounding.
 _NO_SAY = 1e-12
 
@@ -54,6 +60,64 @@ class Weighed:
     residual: Array
     model: Array
     curve: Ints
+
+
+def by_readings(fit: Weighed, basis: Array, spread: Array) -> Array:
+    """Return the covariance (p, p) of constants that move by ``spread`` (p, q) with what readings err along an
+    orthonormal ``basis`` (rows, q) of the Jacobian: without replicates, and without stated deviations.
+
+    What a load cell or a law errs by goes on from reading to reading, correlated ``rho^k`` over k of them in a curve.
+    How much is hardly sure. For each rho that may be, what is left tells the variance, less what the fit takes of it;
+    how likely it is, the correlation of neighbours in what is left, which scatters by ``(1 - rho^2)/n`` (Bartlett 1946,
+    Suppl. J. R. Stat. Soc. 8, 27, doi:10.2307/2983611). Each constant's interval of 1.96 standard deviations covers
+    95 % of what all of them leave open. Not a number where there are no more readings than constants.
+    """
+    rows, count = basis.shape
+    together = np.diff(fit.curve) == 0
+    pairs, squares = np.count_nonzero(together), float(fit.residual @ fit.residual)
+    if rows <= count:
+        return np.full((len(spread), len(spread)), np.nan)
+    beside = _neighbours(np.column_stack([basis, fit.residual]), together)
+    seen = float(fit.residual @ beside[:, count]) / max(squares, 1e-300)
+    likely, freedom = np.zeros(_TRIED), np.empty(_TRIED)
+    found = np.empty((_TRIED, len(spread), len(spread)))
+    for k, rho in enumerate(np.tanh(np.linspace(0.0, np.arctanh(_MOST_ALIKE), _TRIED))):
+        moved = _correlated(basis, together, rho)
+        along = basis.T @ moved
+        kept = rows - float(np.trace(along))
+        taken = 2.0 * float(np.sum(beside[:, :count] * moved)) - float(np.sum((basis.T @ beside[:, :count]) * along))
+        scatter = (1.0 - rho * rho) / max(pairs, 1)
+        if pairs:
+            likely[k] = -0.5 * ((seen - (rho * pairs - taken) / kept) ** 2 / scatter + np.log(scatter))
+        freedom[k] = max((rows - count) * (1.0 - rho * rho) / (1.0 + rho * rho), _FEWEST)
+        found[k] = spread @ along @ spread.T * (squares / kept)
+    best = int(np.argmax(likely))
+    weight = np.exp(likely - likely[best])
+    sd = np.sqrt(np.maximum(np.einsum("kii->ki", found), 1e-300))
+    low, high = np.zeros(len(spread)), 1e3 * sd.max(axis=0)
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        beyond = weight @ stdtr(freedom[:, None], -middle / sd) / weight.sum() > 1.0 - _LEVEL
+        low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
+    wider = high / ndtri(_LEVEL) / sd[best]
+    return np.asarray(found[best] * np.outer(wider, wider))
+
+
+def _neighbours(values: Array, together: Flags) -> Array:
+    """Return of columns (rows, q) half of what stands before and behind each row in its curve."""
+    found = np.zeros_like(values)
+    found[1:][together] += 0.5 * values[:-1][together]
+    found[:-1][together] += 0.5 * values[1:][together]
+    return found
+
+
+def _correlated(values: Array, together: Flags, rho: float) -> Array:
+    """Return columns (rows, q) times the correlations ``rho^|i - j|`` of rows along each curve, whose inverse has three
+    diagonals; ``together`` (rows - 1,) says which rows are neighbours."""
+    behind, before = np.append(together, False), np.append(False, together)
+    inverse = np.stack([np.where(before, -rho, 0.0), 1.0 + rho * rho * (before & behind)])
+    inverse[1] -= rho * rho * ~(before | behind)
+    return np.asarray(solveh_banded(inverse / (1.0 - rho * rho), values))
 
 
 def by_specimen(
