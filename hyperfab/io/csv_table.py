@@ -65,7 +65,8 @@ def read_table(
     ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
     row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
     (thermocouples: one temperature column a probe); they are found under their labels, of which some are expected
-    (``called``), and with ``gaps`` a cell of theirs may be empty: nan. Names are compared without case.
+    (``called``), and with ``gaps`` a cell of theirs may be empty: nan. Names are compared without case. What ``layout``
+    calls minus a quantity is turned round.
 
     Raises InputError with file, line and column.
 
@@ -117,6 +118,10 @@ def read_table(
         else quantities(sheet, heading, kind, mark, gaps and column not in named, column)
         for column, (heading, kind) in wanted.items()
     }
+    for column, (heading, _) in wanted.items():
+        choice = layout.choice(heading, sheet.headings)
+        if choice is not None and choice.minus:
+            values[column] = -values[column]
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}

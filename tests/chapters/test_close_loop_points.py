@@ -18,6 +18,7 @@ from loop.generators import contact as discs
 from loop.generators import drape as nets
 from loop.generators import press as caps
 
+from hyperfab.chapters.close_loop import names_of
 from hyperfab.chapters.close_loop.contact import read_force_depth
 from hyperfab.chapters.close_loop.drape import read_markers
 from hyperfab.chapters.close_loop.press import read_press
@@ -26,7 +27,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError
-from hyperfab.io.layout import PLAIN
+from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.press_reading import Reading
 
@@ -219,6 +220,35 @@ def test_readings_of_presses_and_sheets_are_found_under_other_languages_names(
             read_press(job, "read.csv", PLAIN)
     else:
         assert read_press(job, "read.csv", PLAIN)[0].kind == kind
+
+
+@pytest.mark.parametrize(
+    ("said", "kind"),
+    [
+        ("1=x [mm],2=y [mm],3=z [mm],Film A=pressure [MPa]", "pressure"),
+        ("A=stroke [mm],Film A=force [N]", "force"),
+        ("A=x [mm],B=y [mm],C=z [mm],Film A=formed thickness [mm]", "formed"),
+    ],
+)
+def test_columns_of_a_press_are_named_on_the_command_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: str, kind: str
+) -> None:
+    """What a refused file was told to say was refused itself."""
+    monkeypatch.chdir(tmp_path)
+    csv(tmp_path / "read.csv", "A,B,C,Film A", np.arange(12.0).reshape(4, 3), np.arange(4.0))
+    found, _ = read_press(Job("close-loop", [], Console(True)), "read.csv", layout([said], own=names_of("press", {})))
+    assert found.kind == kind
+    assert found.values.tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_columns_of_sheets_are_named_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    job = Job("close-loop", [], Console(True))
+    csv(tmp_path / "read.csv", "A,B,C,D,E", np.arange(20.0).reshape(4, 5))
+    pushed = layout(["A=depth [mm],E=force [N],2=force sd [N]"], own=names_of("contact", {}))
+    assert read_force_depth(job, "read.csv", pushed)[0].force.tolist() == [4.0, 9.0, 14.0, 19.0]
+    draped = layout(["A=x0 [mm],B=y0 [mm],C=x [mm],D=-y [mm],E=z [mm]"], own=names_of("drape", {}))
+    assert read_markers(job, "read.csv", draped)[0].found[0].tolist() == [2.0, -3.0, 4.0]
 
 
 @pytest.mark.parametrize(("said", "time"), [("4 s", 4.0), ("1.5 min", 90.0), ("14:05", None), ("3.4.2024", None)])

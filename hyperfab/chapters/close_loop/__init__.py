@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
 from typing import Any
 
@@ -16,6 +16,13 @@ from hyperfab.io.layout import layout
 
 #: The kinds of model that the loop can be closed on.
 BUILT = ("material", "mold", "press", "contact", "drape")
+_OF_A_PRESS = ("pressure", "contact", "thickness", "formed thickness", "height", "force")
+#: Columns of readings that no test of a fabric has.
+_NAMES = {
+    "press": (*"xyz", "stroke", *_OF_A_PRESS, *(f"{name} sd" for name in _OF_A_PRESS)),
+    "contact": ("depth", "force sd"),
+    "drape": ("x0", "y0", *"xyz", "x sd", "position sd"),
+}
 
 
 def run(job: Job, case: LoopCase) -> int:
@@ -38,13 +45,20 @@ def run(job: Job, case: LoopCase) -> int:
     if case.upstream and kind not in ("press", "drape"):
         raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
     _refuse_doubles(job, measured, case.held)
-    told = layout(case.columns, case.skip_rows, case.decimal, own=_probes(data) if kind == "mold" else ())
+    told = layout(case.columns, case.skip_rows, case.decimal, own=names_of(kind, data))
     given = Given(model, data, measured, case, told, how)
     return domain_of(kind)(job, given)
 
 
-def _probes(data: Mapping[str, Any]) -> list[str]:
-    """Return the names of a mold's probes, of a document that is not checked yet."""
+def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
+    """Return what columns may be called beside the names of a fabric's tests: of a mold, by the ``data`` of a document
+    that is not checked yet, its probes.
+
+    >>> names_of("contact", {})
+    ('depth', 'force sd')
+    """
+    if kind != "mold":
+        return _NAMES.get(kind, ())
     found = data.get("probe")
     tables = [one for one in found if isinstance(one, Mapping)] if isinstance(found, list) else []
     return [one["name"] for one in tables if isinstance(one.get("name"), str)]
