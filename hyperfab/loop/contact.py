@@ -261,10 +261,10 @@ def contact_problem(
     ways = [_way(one) for one in files]
     for one, way in zip(files, ways, strict=True):
         # Sheets pushed alike are specimens of one cloth, and differ in stiffness.
-        again = one.name if ways.count(way) > 1 else ""
+        again = ways.count(way) > 1
         for k, part in enumerate(np.array_split(np.arange(len(one.depth)), way[0])):
-            setup, begin = again and f"{way} {k}", row + int(part[0])
-            curves.append(Curve(one.name, begin, begin + len(part), one.depth[part], setup=setup, specimen=again))
+            begin, setup, specimen = row + int(part[0]), f"{way} {k}" if again else "", one.name if again else ""
+            curves.append(Curve(one.name, begin, begin + len(part), one.depth[part], setup=setup, specimen=specimen))
         row += len(one.depth)
     known_T = [one.temperature for one in files if one.temperature is not None]
     temperatures = np.unique(np.round(np.concatenate(known_T))) if known_T else np.empty(0)

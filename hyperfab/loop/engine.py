@@ -246,8 +246,10 @@ def _says_more(search: Search, best: Candidate, state: Candidate) -> bool:
 
     It takes half of what is left, or stands in place of a form of many constants, which costs more by BIC.
     """
-    if not state.judgement.is_small or state.excess - 1.0 <= 0.5 * (best.excess - 1.0):
-        return state.judgement.is_small
+    if not state.judgement.is_small:
+        return False
+    if state.excess - 1.0 <= 0.5 * (best.excess - 1.0):
+        return True
     bic = common_bic([best.fit, state.fit], search.problem, search.noise)
     return bool(search.plainer(best)) and bic[state.ids] <= bic[best.ids] - MARGIN
 

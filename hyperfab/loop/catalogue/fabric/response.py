@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ _ALL = {"C20_MPa", "C30_MPa"}
 
 def anisotropy(context: DataContext) -> Effect:
     """Warp and weft with constants of their own, ``directions`` of the material document: one ratio for all constants,
-    all constants free, fibres, and a sheet of threads."""
+    all constants free, fibres, a sheet of threads, and smooth functions of angle and stretch."""
     reason = ""
     if context.directions:
         reason = HAS_IT
@@ -90,13 +91,7 @@ def anisotropy(context: DataContext) -> Effect:
         # What a law of the whole sheet already has beside its ground.
         own = Form("sheet", (*bias.constants, shear), tuple((*start, 0.05 * stiff) for start in bias.starts))
         forms += tried_if(False, own)
-    # So many functions of the angle tell all directions there are apart.
-    formulas, told = tuple(forms), min(len(context.ways) - 1, 4)
-    at = [Constant(f"g{way}_{k}", 0.0, -5.0, 5.0, 0.1) for way in range(1, 5) for k in range(4)]
-    for count in range(1, 5):
-        constants = (fixed("reach", context.reach), *at[: 4 * count])
-        smooth = freely(formulas, f"smooth-{count}", constants, (context.reach, *count * (-0.1, 0.0, 0.0, 0.0)))
-        forms += tried_if(count == told, smooth)
+    forms += _smooth_in_angle(context, tuple(forms))
     return Effect(
         id="anisotropy",
         title="warp and weft differ",
@@ -106,6 +101,19 @@ def anisotropy(context: DataContext) -> Effect:
         "Holzapfel, Gasser & Ogden (2000), doi:10.1023/A:1010835316564",
         forms=tuple(forms),
     )
+
+
+def _smooth_in_angle(context: DataContext, formulas: Sequence[Form]) -> list[Form]:
+    """Return smooth functions of angle and stretch, in place of ``formulas``: tried with so many of the angle as tell
+    all directions there are apart."""
+    told = min(len(context.ways) - 1, 4)
+    at = [Constant(f"g{way}_{k}", 0.0, -5.0, 5.0, 0.1) for way in range(1, 5) for k in range(4)]
+    found: list[Form] = []
+    for count in range(1, 5):
+        constants = (fixed("reach", context.reach), *at[: 4 * count])
+        start = (context.reach, *count * (-0.1, 0.0, 0.0, 0.0))
+        found += tried_if(count == told, freely(formulas, f"smooth-{count}", constants, start))
+    return found
 
 
 def _bias_threads(warp: Constant, across: Constant, growth: Constant, stiff: float, far: float, turns: bool) -> Form:
@@ -130,7 +138,7 @@ def _bias_threads(warp: Constant, across: Constant, growth: Constant, stiff: flo
 
 def compressibility(context: DataContext) -> Effect:
     """A sheet that changes its volume: the contraction exponent; one a direction where contraction was measured along
-    both."""
+    both, and what it is more between them where strips were cut at an angle."""
     reason = ""
     if context.law.compressible:
         reason = HAS_IT
