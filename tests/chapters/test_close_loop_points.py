@@ -263,6 +263,19 @@ def test_when_a_film_was_read_may_stand_above_the_table(
     assert found is None if time is None else np.array_equal(found, np.full(4, time))
 
 
+def test_a_time_with_a_comma_is_refused_and_not_passed_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read as no time, films of a foam that relaxes were all read at once."""
+    monkeypatch.chdir(tmp_path)
+    csv(
+        tmp_path / "film.csv",
+        "# time: 4,5 s\nx [mm],y [mm],z [mm],pressure [MPa]",
+        np.arange(12.0).reshape(4, 3),
+        np.arange(4.0),
+    )
+    with pytest.raises(InputError, match=r"time.*decimal point"):
+        read_press(Job("close-loop", [], Console(True)), "film.csv", None)
+
+
 def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A block pasted twice is no set of repeats without noise; films laid in again are repeats, though some agree."""
     monkeypatch.chdir(tmp_path)

@@ -149,10 +149,10 @@ def read_press(
 
 
 def _time(table: Table) -> Array | None:
-    """Return when each row was read [s], from a column or, of all of them, the metadata; a date or a time of day there
-    says nothing of that.
+    """Return when each row was read [s], from a column or, of all of them, the metadata; a date, a time of day or words
+    there say nothing of that.
     """
-    if "time" in table or not re.fullmatch(r"\d+(\.\d+)? *[^\W\d]*", table.metadata.get("time", "")):
+    if "time" in table or not re.fullmatch(r"\d*[.,]?\d+ *[^\W\d]*", table.metadata.get("time", "")):
         return table.columns.get("time")
     return np.full(len(table.lines), stated_in(table, "time", "time"))
 
