@@ -99,7 +99,7 @@ def _choices(text: str, own: Sequence[str]) -> list[Choice]:
         match = entry.match(text, place)
         name = None if match is None else _name(match["name"], own)
         if match is None or name is None:
-            known = ", ".join([*own, *COLUMNS, "aside"])
+            known = ", ".join(dict.fromkeys([*own, *COLUMNS, "aside"]))
             raise UsageError(
                 f'--columns {text}: write it as in --columns "Standardkraft=force [N],Weg=extension '
                 f'[mm]"; names are {known}'

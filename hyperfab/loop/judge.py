@@ -70,7 +70,7 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
 def structured(fit: Fit, problem: Problem, noise: Noise, least: float = 0.0) -> float:
     """Return the rms of what is not noise, in its standard deviations, of the kind of reading that is missed most.
 
-    The noise is at the ``least`` so much of the largest reading of each curve.
+    The noise counts as this share, ``least``, of the largest reading of each curve at least.
     """
     weight = np.ones(len(fit.residual))
     for curve in problem.curves if least else ():
