@@ -255,7 +255,8 @@ def _says_more(search: Search, best: Candidate, state: Candidate) -> bool:
 
 
 def _to_grow_on(search: Search, beam: list[Candidate], done: bool) -> list[Candidate]:
-    """Return the models that further terms are added to, also in simpler forms; these alone where all is told."""
+    """Return the models that further terms are added to: those with a form of many constants with a simple one as well,
+    and with that alone where nothing is left to tell."""
     plain = [state for larger in beam for state in search.plainer(larger)]
     if done:
         return [*(state for state in beam if not search.plainer(state)), *plain]

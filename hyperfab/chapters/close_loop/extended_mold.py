@@ -257,7 +257,7 @@ class _Wider:
     def joints(self, share: Callable[[], Table]) -> None:
         """Write the conductance of joints: of the document's, and of those that conduct perfectly in it.
 
-        What rides on the temperature is the conductance they had in this run.
+        One that changes with their temperature is written as it was in this run.
         """
         pairs = self.problem.pairs
         for index, contact in enumerate(self.document.contact):
