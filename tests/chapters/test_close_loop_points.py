@@ -379,7 +379,7 @@ def test_each_marker_has_the_deviation_that_is_stated_of_it(tmp_path: Path) -> N
     markers, column = read_markers(job, str(tmp_path / "markers.csv"), None)
     parts = markers.parts()
     measured = np.concatenate([part.values for part in parts])
-    problem = SimpleNamespace(files=tuple(parts), measured=measured)
+    problem = SimpleNamespace(files=tuple(parts), measured=measured, curves=())
     problem.rows_of = partial(FilesProblem.rows_of, problem)  # type: ignore[arg-type]
     found = Files([(markers, column)]).noise(problem, np.zeros(90)).sd  # type: ignore[arg-type]
     height = np.concatenate([np.repeat([False, False, True], len(part.flat)) for part in parts])
