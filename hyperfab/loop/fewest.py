@@ -51,10 +51,14 @@ def fewest(
         found = likeliest(search, before, no_worse)
     if found is None and 0 < len(whole.ids) < 3:
         # What formulas leave may hide a further name, which shows beside their smooth laws.
+        judged = len(search.states)
         for name in first:
             if name not in whole.ids:
                 search.freed(before, [*whole.ids, name])
         found = likeliest(search, before, no_worse)
+        if found is None and len(whole.ids) == 1:
+            # A second name that leaves no noise either is not given: nor may it pass for sure.
+            search.forget(judged)
     return found or whole
 
 

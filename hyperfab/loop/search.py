@@ -67,6 +67,11 @@ class Search:
         """All models that were judged."""
         return list(self._states.values())
 
+    def forget(self, first: int) -> None:
+        """Take back what was judged after the ``first`` so many models: how sure a name is they have no say in."""
+        for key in list(self._states)[first:]:
+            del self._states[key]
+
     def ranking(self, state: Candidate) -> list[tuple[Effect, float]]:
         """Return the entries not in the model, the one the residual points at most first."""
         best: dict[str, float] = {}
