@@ -27,9 +27,13 @@ _USUAL = {
 _FINENESS = re.compile(r"(\w+)\s*/\s*(?:d?k?tex|den|denier)", re.IGNORECASE)
 
 
-def no_test(sheet: CsvSheet, tests: Sequence[str]) -> InputError:
+class UnknownTest(InputError):
+    """A file does not say which test it is, and its columns do not tell."""
+
+
+def no_test(sheet: CsvSheet, tests: Sequence[str]) -> UnknownTest:
     """Return the error that a file does not say which test it is, with the option that does."""
-    return InputError(
+    return UnknownTest(
         "does not say which test it is",
         file=sheet.name,
         remedy=f"give it as --uniaxial {shlex.quote(sheet.name)} (or --shear, --biaxial), or add a first "

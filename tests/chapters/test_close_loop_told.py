@@ -229,6 +229,26 @@ def test_a_prediction_that_got_worse_is_not_passed_over(hf: Run, model: Path) ->
     assert found["verdict"] == "unexplained"
 
 
+def test_a_file_held_out_is_the_test_that_all_measured_ones_were_given_as(hf: Run, model: Path) -> None:
+    """A file of --hold-out has no other option that could say it."""
+    for name in ("a.csv", "b.csv", "apart.csv"):
+        write(model, name, seed=ord(name[0]) + len(name))
+        (model / name).write_text((model / name).read_text().removeprefix("# test: uniaxial\n"))
+    found, told = closed(hf, model, [], "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--hold-out", "apart.csv")
+    assert found["held_out"]["source"] == "the files of --hold-out"
+    assert "apart.csv: uniaxial, as all measured files were given" in told
+    write(model, "b.csv", seed=1)
+    _, told = closed(hf, model, ["b.csv"], "--uniaxial", "a.csv", "--hold-out", "apart.csv", status=3)
+    assert "does not say which test it is" in told
+    assert '"# test: uniaxial"' in told
+    assert "--uniaxial apart.csv" not in told  # that would have it measured
+    write(model, "apart.csv", seed=1)
+    (model / "apart.csv").write_text((model / "apart.csv").read_text().replace("uniaxial", "shear"))
+    write(model, "b.csv", seed=2)
+    found, _ = closed(hf, model, [], "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--hold-out", "apart.csv")
+    assert found["held_out"]["before"]["relative_rms"] > 0.05  # what it says itself counts
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_noise_is_only_called_so_where_the_tests_say_so(hf: Run, model: Path, seed: int) -> None:
     files = [

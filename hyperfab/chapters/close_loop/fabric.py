@@ -52,11 +52,9 @@ def run(job: Job, given: Given) -> int:
     # Whatever a law carries, a volumetric test is no way that a specimen is led.
     kinds = OF_A_SHEET if document.directions else carried_by(document.model)
     carries = [kind for kind in kinds if kind in MODE_NAMES]
-    tests, held_out = (
-        read_measured(job, files, given.layout, thickness, before, given.how, carries) if files else None
-        for files in (given.measured, given.case.held)
-    )
-    assert tests is not None
+    how = (given.layout, thickness, before, given.how, carries)
+    tests = read_measured(job, given.measured, *how)
+    held_out = read_measured(job, given.case.held, *how, beside=tests) if given.case.held else None
     for one in (tests, held_out):
         if one is not None and not foam:
             _unturn(one)

@@ -23,6 +23,7 @@ from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
+from hyperfab.io.role_words import UnknownTest
 from hyperfab.materials.effects.path import moving
 from hyperfab.materials.modes import OF_A_SHEET
 from hyperfab.numerics.hygiene import look
@@ -42,10 +43,14 @@ _TWIN = 6
 
 @dataclass
 class Measured:
-    """The curves, the unit their stresses are reported in, and what is to be said about them."""
+    """The curves, the unit their stresses are reported in, and what is to be said about them.
+
+    ``given`` are the kinds of tests that the files were given as, None where one of them was not.
+    """
 
     tests: list[TestCurve]
     unit: str
+    given: set[str | None] = field(default_factory=set)
     left_out: Counter[str] = field(default_factory=Counter)
     warnings: list[str] = field(default_factory=list)
     preparation: list[str] = field(default_factory=list)
@@ -59,12 +64,14 @@ def read_measured(
     given: Mapping[str, str] | None = None,
     how: How | None = None,
     carries: Sequence[str] = OF_A_SHEET,
+    beside: Measured | None = None,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
 
     ``carries`` are the kinds of tests that the model has a say in.
-    A file is the test that it was ``given`` as for the model's fit, where ``how`` does not say it. How each was read is
-    said, and kept in ``preparation``.
+    A file is the test that it was ``given`` as for the model's fit, where ``how`` does not say it. Files held out are
+    read ``beside`` the others: one that does not say its test is of the one kind that all those were given as. How each
+    was read is said, and kept in ``preparation``.
     """
     how = how or How()
     layout = layout or PLAIN
@@ -73,7 +80,15 @@ def read_measured(
     for name in names:
         data = job.inputs.read(name)
         kind = how.kinds.get(name) or (given or {}).get(sha256(data).hexdigest())
-        every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
+        found.given.add(kind)
+        try:
+            every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
+        except UnknownTest as error:
+            if beside is None:
+                raise
+            kind = _like_all(beside, error)
+            every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
+            found.preparation.append(f"{name}: {kind}, as all measured files were given")
     unused_columns(layout, every)
     found.preparation += understood(every, aside=False)
     job.console.note(*found.preparation)
@@ -114,6 +129,19 @@ def read_measured(
     if not found.tests:
         raise InputError("has no test of a sheet", file=names[0], remedy="give uniaxial, shear or biaxial tests")
     return found
+
+
+def _like_all(measured: Measured, unknown: UnknownTest) -> str:
+    """Return the one kind that all measured files were given as; the error that a file held out says none otherwise."""
+    kind = next(iter(measured.given)) if len(measured.given) == 1 else None
+    if kind is None:
+        raise InputError(
+            unknown.message,
+            file=unknown.file,
+            remedy='add a first line "# test: uniaxial" (shear, biaxial); held out it takes the kind of the measured '
+            "files where all of them are given by one option, as --uniaxial",
+        )
+    return kind
 
 
 def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
