@@ -39,11 +39,30 @@ COMMANDS = {
 
 
 class Command(TyperCommand):
-    """A command whose help names no types of the language it is written in."""
+    """A command whose help names no types of the language it is written in.
+
+    Of an option that other commands have it says which.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return the arguments that are left."""
+        try:
+            return super().parse_args(ctx, args)
+        except Exception as error:
+            if hasattr(error, "possibilities"):  # the parser's word for an option that there is none of
+                unknown: Any = error
+                unknown.message += _elsewhere(unknown.option_name)
+            raise
 
     def get_help(self, ctx: Any) -> str:
         """Return the help page."""
         return _TYPES.sub(lambda found: " " * len(found[0]), super().get_help(ctx))
+
+
+def _elsewhere(option: str) -> str:
+    """Return which commands have an option, or nothing."""
+    has = [name for name in COMMANDS if option in {one.option for one in case_class(name).settings().values()}]
+    return f"; it is one of hf {', '.join(has)}" if has else ""
 
 
 class Group(TyperGroup):

@@ -131,6 +131,15 @@ def test_a_misspelt_key_and_option_are_met_with_the_right_ones(hf: Run, root: Pa
     assert "--uniaxial" in hf("fit", "--unaxial", TEST).stderr.decode()
 
 
+def test_an_option_of_another_command_is_said_to_be_of_that_one(hf: Run) -> None:
+    for words in (["--mesh-size", "3mm"], ["--mesh-size=3mm"]):
+        done = hf("drape", "fabric.json", *words)
+        assert done.returncode == 2
+        assert "No such option: --mesh-size; it is one of hf fabric-contact" in done.stderr.decode()
+    assert "; it is one of hf fit, close-loop" in hf("drape", "--noise", "1kPa").stderr.decode()
+    assert "one of" not in hf("drape", "--msh-size", "3mm").stderr.decode()
+
+
 @pytest.mark.parametrize("option", ["--output", "--like"])
 def test_an_empty_name_of_a_file_is_refused(option: str, hf: Run, root: Path) -> None:
     """``-o "$NAME"`` of a variable that is not set wrote a file called .json."""
