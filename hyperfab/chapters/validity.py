@@ -25,6 +25,8 @@ from hyperfab.documents.base import Validity
 
 #: Ends closer than this, relative to the larger of them, are the same end: a table used at its last row is inside.
 _SAME = 1e-9
+#: So are ends that are closer than this share of what is known: hours are written with four decimals.
+_ROUNDED = 1e-4
 
 
 @dataclass
@@ -66,7 +68,7 @@ class Ranges:
             met = (min(met[0], before[0]), max(met[1], before[1]))
         within = None
         if ends is not None:
-            slack = _SAME * max(abs(ends[0]), abs(ends[1]))
+            slack = max(_SAME * max(abs(ends[0]), abs(ends[1])), _ROUNDED * (ends[1] - ends[0]))
             within = ends[0] - slack <= met[0] and met[1] <= ends[1] + slack
         entry = Validity(of=of, direction=direction, used=met, known=ends, within=within, source=source)
         self._uses[key] = (entry, unit or ("degC" if of.endswith("_degC") else ""), then)

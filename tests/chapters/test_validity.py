@@ -189,6 +189,17 @@ def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -
     assert ranges.warning == "used beyond what is known: film.csv 20 to 250 degC (mold.toml: 25 to 250 degC; held)"
 
 
+@pytest.mark.parametrize(("end", "within"), [(3600 * 1.1667, True), (4200.01, True), (4201.0, False)])
+def test_a_table_whose_end_is_rounded_elsewhere_is_not_left(end: float, within: bool) -> None:
+    """A schedule of 70 min in seconds, a run in hours with four decimals."""
+    ranges = Ranges()
+    ranges.used("power.csv", [0.0, end], known=[0.0, 4200.0], source="mold.toml", unit="s")
+    assert ranges.entries[0].within is within
+    # The share is one of the span, so that what is tested by two per cent of stretch is held to as much of that.
+    ranges.used("stretch", [1.0, 1.02001], known=[1.0, 1.02], source="fabric.json")
+    assert ranges.entries[1].within is False
+
+
 def test_a_mold_that_starts_at_the_first_row_of_its_film_is_within_it(hf: Run, tmp_path: Path) -> None:
     """No wall of a mold that is heated is ever colder than it began, whatever its first steps are off by."""
     (tmp_path / "film.csv").write_text("temperature [degC],h [W/m^2/K]\n25,5\n250,13\n")
