@@ -154,8 +154,14 @@ def is_of(unit: str, kind: str) -> bool:
 
 
 def suffixed(head: Heading) -> Heading:
-    """Read ``membrane_stress_N_mm``, the way this program names columns, as ``membrane stress [N/mm]``."""
-    parts = head.title.split("_")
+    """Read ``membrane_stress_N_mm``, the way this program names columns, as ``membrane stress [N/mm]``.
+
+    A number behind the unit is the column's, as in ``force_N_2``, the second force.
+    """
+    *parts, number = head.title.split("_")
+    numbered = len(parts) > 1 and number.isdigit() and not parts[-1].isdigit()
+    behind = [number] if numbered else []
+    parts += [] if numbered else [number]
     for cut in range(1, len(parts)):
         unit = "/".join(parts[cut:])
         if head.unit is not None or not unit or unit.isdigit() or is_known(head.title):  # eps_t is no tonne
@@ -163,7 +169,7 @@ def suffixed(head: Heading) -> Heading:
         if unit == "S" and fold(parts[0]) == "time":
             unit = "s"
         if is_unit(unit) and (not parts[cut].isdigit() or is_of(unit, "rate")):  # rate_1_s, but force_1_N
-            return Heading(head.title, "_".join(parts[:cut]), unit, head.index)
+            return Heading(head.title, "_".join([*parts[:cut], *behind]), unit, head.index)
     return head
 
 

@@ -198,8 +198,18 @@ def test_forces_of_strips_cut_in_two_directions_share_an_extension_and_two_load_
     found = read("displacement_mm,force_warp_N,force_weft_N")
     same(found, (13, 13))
     assert [part.direction_name for part in found] == ["warp", "weft"]
-    with pytest.raises(InputError, match="two columns give the force"):
-        read("displacement_mm,force_1_N,force_2_N")
+    for heads in ("force_1_N,force_2_N", "force_N_1,force_N_2", "Force_N,Force_N_2"):
+        with pytest.raises(InputError, match=r"two columns give the force.*=aside"):
+            read(f"displacement_mm,{heads}")
+
+
+def test_a_number_behind_the_unit_is_that_of_the_specimen() -> None:
+    """Of Force_N_1, Force_N_2 the second was left aside, as a force in N/2."""
+    columns = [50.0 * STRAIN, 20.0 * PULLS[0], 50.0 * STRAIN, 20.0 * PULLS[1]]
+    data = table("Extension_mm_1,Force_N_1,Extension_mm_2,Force_N_2", columns)
+    found = read_tests(data, "a.csv", test="uniaxial", geometry=Geometry(50.0, 10.0, 2.0))
+    same(found, (13, 13))
+    assert [part.stress[-1] for part in found] == pytest.approx([PULLS[0][-1], PULLS[1][-1]], rel=1e-4)
 
 
 def test_directions_of_a_biaxial_test_are_its_axes() -> None:
