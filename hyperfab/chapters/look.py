@@ -33,7 +33,8 @@ COLDEST, HOTTEST = -60.0, 400.0
 def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str]:
     """Return one remark a kind of oddity, gravest first, over all ``tests``; kinds in ``silent`` are settled.
 
-    The kinds are those of ``hyperfab.numerics.doubt.Doubt``, and ``twin``: the same readings in two files.
+    The kinds are those of ``hyperfab.numerics.doubt.Doubt``, and ``twin``: the same readings in two files; first of all
+    strips of which nobody knows how they were cut beside others.
     """
     found: dict[str, list[tuple[TestData, Doubt]]] = {}
     for test in tests:
@@ -50,7 +51,7 @@ def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str
         ):
             if doubt.kind not in silent:
                 found.setdefault(doubt.kind, []).append((test, doubt))
-    return [*_twins(tests), *_odd_warmth(tests), *(_said(group) for group in found.values())]
+    return [*_cut_anyhow(tests), *_twins(tests), *_odd_warmth(tests), *(_said(group) for group in found.values())]
 
 
 def per_width(tests: Sequence[TestData], remedy: str) -> bool:
@@ -70,6 +71,25 @@ def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:
     most = "at most: " if len(places) > 1 else ""
     where = "; ".join(places[:SHOWN]) + more
     return f"{where}: {most}{worst.text}; {worst.remedy}"
+
+
+def _cut_anyhow(tests: Sequence[TestData]) -> Iterator[str]:
+    """Strips without a direction, or with a word for it that is none, beside others that tell theirs."""
+    strips = [test for test in tests if test.mode == "uniaxial"]
+    told = next((test for test in strips if test.direction is not None), None)
+    unknown: dict[str, list[str]] = {}
+    for test in strips if told else ():
+        if test.direction is None:
+            word = test.metadata.get("direction", "")[:40]
+            why = f"direction {word} is not known" if word else "no direction is told"
+            label = f", specimen {test.specimen}" if test.specimen else ""
+            unknown.setdefault(why, []).append(f"{test.source}{label}")
+    for why, names in unknown.items():
+        assert told is not None
+        yield (
+            f"{named(names)}: {why}, beside {told.direction_name} in {told.source}; say how it was cut, as in a line "
+            '"# direction: warp" (weft, degrees from the warp), or in the title of its columns'
+        )
 
 
 def _twins(tests: Sequence[TestData]) -> Iterator[str]:

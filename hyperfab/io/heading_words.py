@@ -299,12 +299,15 @@ TESTS: dict[str, str] = {
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
-        longitudinal direction; calendering; calender direction; calendering direction; kette;
+        longitudinal direction; rd; rolling direction; laufrichtung; produktionsrichtung; maschinenrichtung;
+        sens machine; direccion de maquina; direzione macchina; walzrichtung; calendering; calender direction;
+        calendering direction; kette;
         kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
         columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung;
-        maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; rangee; fila""",
+        maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; sens travers; rangee;
+        fila""",
 }
 BRANCHES: dict[str, str] = {
     "load": """load; loading; up; forward; extension; stretch; belastung; belasten; hin; hinweg; carga; charge;

@@ -151,6 +151,25 @@ def test_a_temperature_that_no_fabric_has_is_asked_about(hf: Run, tmp_path: Path
     assert ("no temperature of a fabric" in done.stderr.decode()) is odd
 
 
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [
+        ("Direction: Ost", "a.csv: direction Ost is not known, beside weft in b.csv"),
+        ("", "a.csv: no direction is told, beside weft in b.csv"),
+        ("Direction: RD", ""),
+    ],
+)
+def test_a_strip_cut_who_knows_how_beside_others_is_warned_of(hf: Run, tmp_path: Path, head: str, said: str) -> None:
+    """It was taken for each direction without a word."""
+    rows = "".join(f"{lam:.5g},{stress:.6g}\n" for lam, stress in zip(LAM, yeoh(0.2, 0.02), strict=True))
+    (tmp_path / "a.csv").write_text(f"{head}\nstretch,stress [MPa]\n{rows}")
+    write(tmp_path, "b.csv", LAM, yeoh(0.1, 0.01), "# direction: TD")
+    done = hf("fit", "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "yeoh-2", cwd=tmp_path)
+    told = done.stderr.decode()
+    assert (f"hf: warning: {said}; say how it was cut" in told) if said else ("how it was cut" not in told)
+    assert sorted(json.loads(done.stdout).get("directions", {})) == ([] if said else ["warp", "weft"])
+
+
 def test_constants_of_every_temperature_are_stable_where_the_verdict_says_so(hf: Run, tmp_path: Path) -> None:
     """At 23 degC a neo-Hookean sheet, at 80 one whose stress falls from a stretch of 1.45: of that the verdict is."""
     lam = np.linspace(1.1, 2.5, 15)

@@ -22,7 +22,24 @@ def one(text: str, test: str | None = "uniaxial"):
 
 
 @pytest.mark.parametrize(
-    ("word", "degrees"), [("warp", 0.0), ("wale", 0.0), ("weft", 90.0), ("course", 90.0), ("30 deg", 30.0)]
+    ("word", "degrees"),
+    [
+        ("warp", 0.0),
+        ("wale", 0.0),
+        ("weft", 90.0),
+        ("course", 90.0),
+        ("30 deg", 30.0),
+        ("MD", 0.0),
+        ("CD", 90.0),
+        ("RD", 0.0),
+        ("TD", 90.0),
+        ("Kette", 0.0),
+        ("Schuss", 90.0),
+        ("cha\u00eene", 0.0),
+        ("trame", 90.0),
+        ("Laufrichtung", 0.0),
+        ("sens travers", 90.0),
+    ],
 )
 def test_a_direction_is_so_many_degrees_from_the_warp(word: str, degrees: float) -> None:
     assert one(f"# direction: {word}\n" + ROWS).direction == degrees
