@@ -13,6 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import SIZE_RANGE, SurfaceMesh, read_stl
 from hyperfab.surface import Soundness, Surface, consistently_wound
+from hyperfab.surface.weld import unrounded
 
 #: Which coordinates of a file become x, y and z where an axis of its own points up: turned, not mirrored.
 TURNED = {"x": [1, 2, 0], "y": [2, 0, 1], "z": [0, 1, 2]}
@@ -111,11 +112,17 @@ class MoldFile:
 def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
     """Read an STL file and mend it, saying what was mended.
 
-    Facets without area or given twice go, neighbours are wound alike, a closed surface faces outward. ``axis`` of the
-    file becomes z. Raises InputError where no facet has an area.
+    Corners that differ by rounding are one, facets without area or given twice go, neighbours are wound alike, a closed
+    surface faces outward. ``axis`` of the file becomes z. Raises InputError where no facet has an area.
     """
     mesh = read_mesh(job.inputs, name, stl_unit, job.console.warn)
     vertices, faces, facet = mesh.vertices[:, TURNED[axis]], mesh.faces, mesh.facet_of_face
+    if (one := unrounded(vertices, faces)) is not None:
+        job.console.warn(
+            f"{name}: corners that differ by rounding, closer than {one.distance:.2g} mm, were welded; none moved more "
+            f"than {one.moved:.2g} mm"
+        )
+        vertices, faces, facet = one.vertices, one.faces, facet[one.kept]
     surface = Surface(vertices, faces)
     found = surface.soundness()
     if len(found.degenerate_facets) or len(found.duplicate_facets):
@@ -132,8 +139,8 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
     if len(turned) or len(wound) < len(surface.faces):
         surface = Surface(vertices, wound)
         found = surface.soundness()
-    one = MoldFile(name, surface, found, facet)
-    return _outward(job, one) if one.found.closed and one.found.volume_mm3 < 0.0 else one
+    body = MoldFile(name, surface, found, facet)
+    return _outward(job, body) if found.closed and found.volume_mm3 < 0.0 else body
 
 
 def _outward(job: Job, body: MoldFile) -> MoldFile:

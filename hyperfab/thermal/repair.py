@@ -15,13 +15,12 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.surface import Soundness, Surface, consistently_wound, soundness
 from hyperfab.surface.topology import twin_edges
+from hyperfab.surface.weld import WELDS, open_edges, rim, size_of, welded
 
-#: Welding distances tried, as shares of the surface's size.
-WELDS = (0.0, 1e-7, 1e-6, 1e-5, 1e-4, 5e-4)
 #: Those tried on the rims of gaps alone; gaps beyond the last are holes.
 GAPS = (1e-3, 2e-3)
 #: An edge goes through a facet where both its ends lie further away from it than this share of the size.
@@ -61,11 +60,12 @@ def repaired(vertices: Array, triangles: Ints, name: str) -> Repaired:
     >>> repaired(corner, inward, "tip.stl").notes
     ('the surface was inside out and was turned over',)
     """
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    size = size_of(vertices)
     everywhere = np.ones(len(vertices), dtype=bool)
     for share in WELDS + GAPS:
-        where = everywhere if share in WELDS else _rim(vertices, triangles)
-        points, faces, moved = _welded(vertices, triangles, share * size, where)
+        where = everywhere if share in WELDS else rim(vertices, triangles)
+        one = welded(vertices, triangles, share * size, where)
+        points, faces, moved = one.vertices, one.faces, one.moved
         dropped = len(triangles) - len(faces)
         faces, strayed, split = _stitched(points, faces, max(share * size, WELDS[1] * size))
         found = soundness(points, faces)
@@ -114,7 +114,7 @@ def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
     >>> crossing(flat, np.array([[0, 1, 2], [3, 4, 5]]))
     (0, array([1., 1., 0.]))
     """
-    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    size = size_of(vertices)
     tail, head = triangles.ravel(), triangles[:, [1, 2, 0]].ravel()
     owner = np.repeat(np.arange(len(triangles)), 3)
     start, way = vertices[tail], vertices[head] - vertices[tail]
@@ -132,20 +132,6 @@ def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
     return int(owner[edge]), start[edge] + t[edge] * way[edge]
 
 
-def _rim(vertices: Array, triangles: Ints) -> Flags:
-    """Whether a vertex lies on an open edge."""
-    found = np.zeros(len(vertices), dtype=bool)
-    found[_open_edges(triangles)[1].ravel()] = True
-    return found
-
-
-def _open_edges(triangles: Ints) -> tuple[Ints, Ints]:
-    """Return the facets of open edges (e,), and the ends of these (e, 2) in the facet's sense."""
-    _, number, _ = twin_edges(triangles)
-    face, side = np.nonzero(number == 1)
-    return face, np.stack([triangles[face, side], triangles[face, (side + 1) % 3]], axis=1)
-
-
 def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float, int]:
     """Split facets at corners of others that lie on their open edges, within ``distance``.
 
@@ -153,7 +139,7 @@ def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float,
     """
     strayed, split = 0.0, 0
     for _ in range(3):  # a facet may have three such edges; each round splits one of each facet
-        face, ends = _open_edges(faces)
+        face, ends = open_edges(faces)
         if len(face) == 0:
             break
         corners = np.unique(ends)
@@ -190,25 +176,6 @@ def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float,
 def _used(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
     used, small = np.unique(triangles, return_inverse=True)
     return vertices[used], small.reshape(-1, 3).astype(np.int64)
-
-
-def _welded(vertices: Array, triangles: Ints, distance: float, where: Flags) -> tuple[Array, Ints, float]:
-    """Make one of the vertices ``where`` that are chained by steps of ``distance``."""
-    if distance > 0.0:
-        chosen = np.flatnonzero(where)
-        pairs = chosen[cKDTree(vertices[chosen]).query_pairs(distance, output_type="ndarray")]
-        graph = sparse.coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(vertices),) * 2)
-        count, label = connected_components(graph, directed=False)
-        weight = np.bincount(label, minlength=count)
-        points = np.stack([np.bincount(label, vertices[:, i], count) / weight for i in range(3)], axis=1)
-        moved = float(np.linalg.norm(points[label] - vertices, axis=1).max())
-        faces = label[triangles].astype(np.int64)
-    else:
-        points, faces, moved = vertices, triangles, 0.0
-    distinct = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    faces = faces[distinct]
-    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
-    return points, faces[np.sort(first)], moved
 
 
 def _said(distance: float, moved: float, dropped: int, strayed: float, split: int) -> list[str]:

@@ -139,6 +139,31 @@ def test_the_border_of_a_patch_is_told_from_a_hole(drape):
     assert "extrude the border down" in err
 
 
+def rounded_text(vertices: np.ndarray, faces: np.ndarray) -> str:
+    """Return an ASCII STL whose corners were computed anew for each facet, and written with six digits."""
+    corners = vertices[faces] + np.random.default_rng(1).uniform(-2e-5, 2e-5, (len(faces), 3, 3))
+    lines = ["solid cup"]
+    for three in corners:
+        vertex = [f"vertex {x:.6g} {y:.6g} {z:.6g}" for x, y, z in three]
+        lines += ["facet normal 0 0 0", "outer loop", *vertex, "endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid cup", ""])
+
+
+def test_corners_that_differ_by_rounding_are_no_holes(drape):
+    whole = json.loads(drape(cup())[1])
+    Path("mold.stl").write_text(rounded_text(*cup()))
+    status, out, err = drape("mold.stl")
+    assert status == 0, err
+    assert "mold.stl: corners that differ by rounding, closer than " in err
+    assert json.loads(out)["force_N"] == pytest.approx(whole["force_N"], rel=1e-3)
+    vertices, faces = cup()
+    torn = rounded_text(vertices, np.delete(faces, np.argmax(vertices[faces, 2].mean(axis=1)), axis=0))
+    Path("mold.stl").write_text(torn)
+    status, _, err = drape("mold.stl")
+    assert status == 3
+    assert "an open edge (a hole)" in err
+
+
 def test_a_depth_beyond_the_molds_height_is_noted(drape):
     _, _, err = drape(cup(), "--depth", "55mm")
     assert "5 mm above the sheet's plane" in err

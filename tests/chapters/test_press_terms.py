@@ -204,10 +204,21 @@ def test_molds_drawn_into_each_other_are_parted_and_that_is_said(shop, monkeypat
         press(shop, monkeypatch, gap="3mm", female="twin.stl")
 
 
+def test_corners_that_single_precision_rounds_apart_are_welded(shop, monkeypatch, capsys):
+    _, female = solids((24, 25))
+    _, plain = press(shop, monkeypatch, gap="3mm")
+    apart = female.vertices[female.faces].reshape(-1, 3)
+    apart = apart + np.random.default_rng(3).uniform(-1e-5, 1e-5, apart.shape)
+    (shop / "soup.stl").write_bytes(stl_bytes(apart, np.arange(len(apart)).reshape(-1, 3)))
+    _, found = press(shop, monkeypatch, gap="3mm", female="soup.stl")
+    assert "soup.stl: corners that differ by rounding" in capsys.readouterr().err
+    assert found["force_N"] == pytest.approx(plain["force_N"], rel=1e-4)
+
+
 def test_a_heap_of_facets_is_refused_by_name(shop, monkeypatch):
     _, female = solids((24, 25))
     apart = female.vertices[female.faces].reshape(-1, 3)
-    apart = apart + np.random.default_rng(3).normal(0.0, 1e-3, apart.shape)
+    apart = apart + np.random.default_rng(3).normal(0.0, 0.1, apart.shape)  # no rounding
     (shop / "heap.stl").write_bytes(stl_bytes(apart, np.arange(len(apart)).reshape(-1, 3)))
     with pytest.raises(InputError, match="do not hang together"):
         press(shop, monkeypatch, gap="3mm", female="heap.stl")
