@@ -118,9 +118,10 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
     mesh = read_mesh(job.inputs, name, stl_unit, job.console.warn)
     vertices, faces, facet = mesh.vertices[:, TURNED[axis]], mesh.faces, mesh.facet_of_face
     if (one := unrounded(vertices, faces)) is not None:
+        gone = len(faces) - len(one.faces)
         job.console.warn(
             f"{name}: corners that differ by rounding, closer than {one.distance:.2g} mm, were welded; none moved more "
-            f"than {one.moved:.2g} mm"
+            f"than {one.moved:.2g} mm" + (f"; {gone} facets without area or doubled were left out" if gone else "")
         )
         vertices, faces, facet = one.vertices, one.faces, facet[one.kept]
     surface = Surface(vertices, faces)

@@ -29,6 +29,8 @@ _NEARLY = 1e-7
 _STEPS = 50
 #: A strain no larger than this is rounding.
 _RESTING = 1e-12
+#: Rounding of energy and stress, over a modulus: what a law sums are terms of that size, however little is strained.
+_ROUNDING = 1e-15
 #: Directions tried where the one the law presses in leads nowhere.
 _DIRECTIONS = 24
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -141,7 +143,8 @@ class RelaxedSheet:
             on_n = np.einsum("nj,nj->n", u, own.stress)
             across = 0.5 * np.einsum("nj,nj->n", w, own.stress)
             size = np.abs(own.stress[:, 0]) + np.abs(own.stress[:, 1]) + 1e-9 * np.abs(own.stiffness[:, 0, 0])
-            done = (np.abs(on_n) + np.abs(across) <= _CLOSED * size) & (a[left] > 0.0)
+            noise = _ROUNDING * np.abs(own.stiffness[:, 0, 0])
+            done = (np.abs(on_n) + np.abs(across) <= np.maximum(_CLOSED * size, noise)) & (a[left] > 0.0)
             closed[left[done]] = True
             keep = ~done
             if not keep.any():
@@ -171,7 +174,7 @@ class RelaxedSheet:
                     n, nm, _ = _axes(angle_try)
                     stress = np.abs(np.einsum("nj,nj->n", n, tried.stress))
                     stress += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
-                    flat_there = np.abs(lower - energy[rows]) <= 1e-9 * np.abs(energy[rows])
+                    flat_there = np.abs(lower - energy[rows]) <= 1e-9 * np.abs(energy[rows]) + noise[keep][pending]
                     fine = (lower < energy[rows]) | (flat_there & (stress < remaining[pending]))
                 taken = rows[fine]
                 a[taken], angle[taken], energy[taken] = a_try[fine], angle_try[fine], lower[fine]

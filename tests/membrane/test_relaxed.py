@@ -7,6 +7,7 @@ import pytest
 
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.energy import Answer
 from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, IsotropicSheet
 
@@ -51,6 +52,34 @@ def test_wrinkles_take_the_least_energy_of_all():
         assert found.energy[number] <= least * (1.0 + 1e-9)
         # The grid misses the least by its spacing squared.
         assert found.energy[number] == pytest.approx(least, rel=5e-3, abs=1e-5)
+
+
+class Asked:
+    """A law that counts the strains it is asked at."""
+
+    def __init__(self) -> None:
+        self.strains = 0
+
+    def answer(self, strain: np.ndarray) -> Answer:
+        self.strains += len(strain)
+        return KNIT.answer(strain)
+
+    def thickness_stretch(self, strain: np.ndarray) -> np.ndarray:
+        return KNIT.thickness_stretch(strain)
+
+
+@pytest.mark.parametrize("size", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_a_sheet_that_is_nearly_at_rest_is_relaxed_as_any_other(size: float) -> None:
+    """Its stress goes with its strain, as far as the law bends; a minimum that rounding hid was sought all round."""
+    strain = np.random.default_rng(2).normal(0.0, 1.0, (300, 3))
+    law = Asked()
+    found = RelaxedSheet(law)(np.array([1.0, 1.0, 0.0]) + size * strain)
+    assert set(found.state) == {TAUT, WRINKLED, SLACK}
+    assert law.strains < 10 * len(strain)
+    nearer = RelaxedSheet(KNIT)(np.array([1.0, 1.0, 0.0]) + 0.1 * size * strain)
+    off = np.abs(10.0 * nearer.stress - found.stress).max() / np.abs(found.stress).max()
+    # To first order in the strain, and to the rounding of 1 + strain.
+    assert off < 1.0 * size + 1e-14 / size
 
 
 def test_no_direction_is_pressed_and_stress_and_stiffness_are_derivatives():
