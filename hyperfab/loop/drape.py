@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.interpolate import RectBivariateSpline
+from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.cloth.round import rounded, squared
@@ -20,6 +21,9 @@ from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_cloud, patches
 
+#: Neighbours that a marker is held against; of all markers the share that may be lost, or one; and how many times
+#: further from their neighbours these are than most are, and than any other is.
+_AROUND, _FEW, _FAR, _CLEARLY = 8, 0.05, 8.0, 3.0
 #: What is known of how far the mold was pushed up [mm].
 DEPTH_SD = 0.1
 
@@ -27,18 +31,24 @@ DEPTH_SD = 0.1
 @dataclass(frozen=True)
 class Markers:
     """One file: places (m, 2) on the flat sheet and where they are found (m, 3) [mm]; ``index`` (3 m,) is where the
-    values of a part stand in the file."""
+    values of a part stand in the file, ``lines`` (m,) where the markers do."""
 
     name: str
     flat: Array
     found: Array
     index: Ints | None = None
+    lines: Ints | None = None
     kind: ClassVar[str] = "place"
 
     @property
     def values(self) -> Array:
         """What was read: x of all markers, then y, then z."""
         return self.found.T.ravel()
+
+    def of(self, rows: Ints) -> Markers:
+        """Return some of the markers of a file."""
+        lines = None if self.lines is None else self.lines[rows]
+        return Markers(self.name, self.flat[rows], self.found[rows], lines=lines)
 
     def parts(self) -> list[Markers]:
         """Return the patches of neighbours that are left out in turn."""
@@ -57,6 +67,30 @@ class Markers:
         if any(guess.is_assumed for guess in guesses):
             return Guess(size, guesses[0].dof, guesses[0].source)
         return Guess(size, 1.5 * len(flat), "neighbouring markers")
+
+
+def mistracked(flat: Array, left: Array) -> Ints:
+    """Return the few markers (k,) that a camera lost or took for others: their residuals ``left`` (m, 3) [mm] are off
+    those of their neighbours on the flat sheet (``flat``, (m, 2) [mm]).
+
+    What a model lacks moves neighbours alike: how far a residual is from the median of its neighbours' is, of a marker
+    that is lost, many times what it is of most, and of any other.
+
+    >>> x, y = (one.ravel() for one in np.meshgrid(np.arange(8.0), np.arange(8.0)))
+    >>> left = np.stack([0.1 * x, 0.02 * y**2, np.sin(x)], axis=1)
+    >>> left[19] += [0.0, 9.0, 0.0]
+    >>> mistracked(np.stack([x, y], axis=1), left)
+    array([19])
+    """
+    if len(flat) <= 2 * _AROUND:
+        return np.empty(0, np.int64)
+    near = cKDTree(flat).query(flat, _AROUND + 1)[1][:, 1:]
+    away = np.linalg.norm(left - np.median(left[near], axis=1), axis=1)
+    order = np.argsort(away, kind="stable")
+    size, usual = away[order], float(np.median(away))
+    most = max(int(_FEW * len(flat)), 1)
+    alone = [k for k in range(1, most + 1) if size[-k] > max(_FAR * usual, _CLEARLY * size[-k - 1])]
+    return np.sort(order[len(order) - max(alone, default=0) :])
 
 
 @dataclass(frozen=True)

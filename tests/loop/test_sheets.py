@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from loop.generators import drape as truths
 from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
@@ -19,7 +20,7 @@ from hyperfab.chapters.close_loop.words import another_frame, another_unit, deli
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
-from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places, settings_of
+from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
 from hyperfab.loop.engine import close
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
@@ -283,3 +284,21 @@ def test_a_thermocouple_that_stays_cold_is_not_at_fault_for_its_noise() -> None:
         measured=np.concatenate([1.1 * warm, 1.05 * warm, cold + noise]),
     )  # fmt: skip
     assert strange_probes(problem) == []
+
+
+@pytest.mark.parametrize("effects", [(), ("friction",), ("gravity", "pretension"), ("crease",), ("lens",)])
+@pytest.mark.parametrize("protocol", ["rich", "poor", "top"])
+def test_a_marker_that_was_lost_is_told_from_what_a_model_lacks(effects: tuple[str, ...], protocol: str) -> None:
+    """What a plain net leaves of sheets that another program drapes; then one marker is taken for another's place."""
+    random = np.random.default_rng(5)
+    truth = truths.draw(random, effects)
+    flat, found = truths.measure(truth, np.random.default_rng(6), 0.05, protocol)
+    left = found - truths.measure(truths.Truth(()), np.random.default_rng(6), 0.0, protocol)[1]
+    assert len(mistracked(flat, left)) == 0
+    left[11] += [0.0, 4.0, -4.0]
+    assert mistracked(flat, left).tolist() == [11]
+    if protocol == "rich":
+        left[[40, 41]] += [[20.0, 0.0, 0.0], [0.0, 8.0, 0.0]]
+        assert mistracked(flat, left).tolist() == [11, 40, 41]
+        left[::3] += 9.0 * random.standard_normal(left[::3].shape)  # nothing left that could be called usual
+        assert len(mistracked(flat, left)) == 0

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
-from hyperfab.chapters.close_loop.readings import once, spread
+from hyperfab.chapters.close_loop.readings import Files, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
 from hyperfab.chapters.close_loop.upstream import WRITTEN
@@ -32,7 +32,17 @@ from hyperfab.errors import HyperfabError, InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
-from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, places, reached, settings_of
+from hyperfab.loop.drape import (
+    Draped,
+    DrapeProblem,
+    Markers,
+    at_markers,
+    drape_problem,
+    mistracked,
+    places,
+    reached,
+    settings_of,
+)
 from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.kriging import Kriged, krige
@@ -77,6 +87,7 @@ def run(job: Job, given: Given) -> int:
     _check_places(forward.sheet, [*files.plain, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
+    files = _tracked(job, draped, files)
     problem = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
     traces: list[Callable[[Finding, LoopDocument], Sequence[str]]] = []
     if made.case.sheet == "net" and material is not None:
@@ -142,8 +153,27 @@ def read_markers(
     if sd is None:
         sd = spread(table, "x")
     flat = np.stack([table["x0"], table["y0"]], axis=1)
-    markers = Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1))
+    markers = Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1), lines=table.lines)
     return markers, None if sd is None else np.tile(sd, 3)
+
+
+def _tracked(job: Job, draped: Draped, files: Files[Markers]) -> Files[Markers]:
+    """Return the files without markers that were lost, by what the model as delivered leaves of them and of their
+    neighbours; each is told and counted."""
+
+    def kept(one: Markers) -> Ints:
+        lost = mistracked(one.flat, one.found - at_markers(draped, one.flat)[0][0])
+        if lost.size:
+            lines = ", ".join(str(one.lines[row]) for row in lost) if one.lines is not None else ""
+            job.console.warn(f"{one.name}, line {lines}: off its neighbours, as a marker that was lost is; left out")
+            files.left_out[f"{one.name}: marker off its neighbours"] += len(lost)
+        return np.setdiff1d(np.arange(len(one.flat)), lost)
+
+    measured = []
+    for one, sd in files.measured:
+        rows = kept(one)
+        measured.append((one.of(rows), None if sd is None else sd.reshape(3, -1)[:, rows].ravel()))
+    return replace(files, measured=measured, apart=[one.of(kept(one)) for one in files.apart])
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
