@@ -32,6 +32,7 @@ from hyperfab.materials.effects.path import (
     second_stretch,
     uniaxial_pull,
 )
+from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
@@ -117,6 +118,10 @@ class FabricProblem(Problem):
             alike.append(frozenset(same if context.several_rates else {*same, "rate"}))
         return alike
 
+    def scaled(self, own: Array, factor: float) -> Array:
+        """Return the constants with those that are stresses ``factor`` times as large."""
+        return np.where([constant.name.endswith("_MPa") for constant in self.own], factor * own, own)
+
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
 
@@ -130,8 +135,10 @@ class FabricProblem(Problem):
         form = anisotropy.form_of(elastic)
         if form is not None and form.whole:
             # The ground of a sheet of threads is stable where none of its constants is below zero.
-            ground = dict(zip(self.law.names, map(float, warp), strict=True))
-            asked = {name: max(-value / self._secant, 0.0) for name, value in ground.items()}
+            of_law = dict(zip(self.law.names, map(float, warp), strict=True))
+            every = form.constants(self.law, of_law, elastic["anisotropy"][1])
+            ground = {name: value for name, value in every.items() if name in GROUND}
+            asked = {name: max(0.0, -value / self._secant) for name, value in ground.items()}
             soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
             return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)} | off
         found: dict[str, float] = dict(off)

@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.loop.belief import allowed, explains, surprise
 from hyperfab.loop.judge import Candidate, Evidence, structured
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import SMALL, TOLD
+from hyperfab.loop.thresholds import ODDS, SMALL, TOLD
 
 #: Names beside which the plain law is made richer.
 _LIKELY = 2
@@ -59,7 +59,17 @@ def fewest(
         if found is None and len(whole.ids) == 1:
             # A second name that leaves no noise either is not given: nor may it pass for sure.
             search.forget(judged)
+    if found is None:
+        # None leaves noise: a name that comes clearly nearer, told by what it rides on, before one that a formula met.
+        nearer = [state for state in alone.values() if surprise(state) < surprise(whole) - np.log(ODDS)]
+        nearer = [state for state in nearer if len(state.ids) <= max(len(whole.ids), 1) and _pays(search, state)]
+        found = next((one for one in sorted(nearer, key=surprise) if no_worse(one)), None)
     return found or whole
+
+
+def _pays(search: Search, state: Candidate) -> bool:
+    """Whether each name of a model helps, most tests left out too."""
+    return all(search.evidence(search.without(state, name), state).accepted() for name in state.ids)
 
 
 def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
@@ -77,11 +87,6 @@ def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate],
     ]
     # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
     for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):
-        # Each term helps, most tests left out too.
-        if (
-            explains(before, state)
-            and all(search.evidence(search.without(state, name), state).accepted() for name in state.ids)
-            and no_worse(state)
-        ):
+        if explains(before, state) and _pays(search, state) and no_worse(state):
             return state
     return None

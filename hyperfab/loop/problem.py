@@ -245,6 +245,10 @@ class Problem(ABC):
         """
         return {}
 
+    def scaled(self, own: Array, factor: float) -> Array:
+        """Return the model's own constants where its answer is ``factor`` times as large."""
+        return factor * own
+
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""
         found = []

@@ -243,6 +243,9 @@ class Search:
             anew = given | {name: np.array(form.starts[0])}
             owns = parent.x[: parent.own], self._states[()].fit.x
             starts = [np.concatenate([own, *parts.values()]) for own, parts in zip(owns, (near, anew), strict=True)]
+            if form.takes_over:
+                kept = self.problem.scaled(owns[1], _NEXT_TO_NOTHING)
+                starts += [np.concatenate([kept, *(given | {name: np.array(one)}).values()]) for one in form.starts]
             found = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
             if not np.isfinite(found.chi2):
                 return None
@@ -268,7 +271,7 @@ class Search:
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
         if form.takes_over:
-            kept, others = _NEXT_TO_NOTHING * parent.x[: parent.own], parent.x[parent.own :]
+            kept, others = self.problem.scaled(parent.x[: parent.own], _NEXT_TO_NOTHING), parent.x[parent.own :]
             starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
         if self.problem.well_known:
             # A model that lacks much drifts far from what is known; the way back is long.

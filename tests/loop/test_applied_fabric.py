@@ -84,7 +84,7 @@ def sought(model: str) -> list[Any]:
     ]
 
 
-@pytest.mark.parametrize(("model", "effect", "form"), [*sought("yeoh-3"), *sought("yeoh-1")])
+@pytest.mark.parametrize(("model", "effect", "form"), [*sought("yeoh-3"), *sought("yeoh-1"), *sought("ogden-2")])
 def test_a_fabric_with_an_effect_is_the_one_that_is_written(model: str, effect: str, form: str) -> None:
     _, problem = given(model)
     own = 1.1 * np.array([constant.value for constant in problem.own])

@@ -611,7 +611,7 @@ STATED += [
 BY_STEPS = ("finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
 ELSEWHERE = (
     {("compressibility", "split")}
-    | {("anisotropy", form) for form in ("threads", "threads-each", "bias-threads", "sheet")}
+    | {("anisotropy", form) for form in ("threads", "threads-each", "bias-threads", "bias-threads-nearest", "sheet")}
     | {("elastic-law", form) for form in ("term-2", "term-3", "terms-2-3")}  # tests/loop/test_foams.py
 )
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.

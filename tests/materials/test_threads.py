@@ -7,8 +7,9 @@ import pytest
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL
-from hyperfab.materials.effects.threads import Threads
+from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
+from hyperfab.materials.effects.threads import Threads, nearest_ground
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
 from hyperfab.materials.registry import law
@@ -129,3 +130,23 @@ def test_a_pair_between_warp_and_weft_answers_along_both(angle: float) -> None:
         pulled = np.maximum(c * along**2 + (1.0 - c) * side**2 - 1.0, 0.0)
         wanted += count * 2.0 * along * c * k1 * pulled * np.exp(k2 * pulled**2)
     np.testing.assert_allclose(found, np.maximum(wanted, 0.0), rtol=1e-12)  # it hangs where it would push
+
+
+@pytest.mark.parametrize(
+    ("name", "constants"),
+    [
+        ("mooney-rivlin-2", (0.1, 0.02)),
+        ("ogden-1", (0.3, 3.0)),
+        ("ogden-2", (0.2, 2.0, 0.05, 4.0)),
+        ("gent", (0.4, 9.0)),
+    ],
+)
+def test_the_nearest_ground_answers_as_the_law_does(name: str, constants: tuple[float, ...]) -> None:
+    own = dict(zip(law(name).names, constants, strict=True))
+    near = nearest_ground(law(name), own, 0.8)
+    pull = uniaxial_pull(np.linspace(1.0, 1.8, 40)[1:])
+    wanted = Fabric(law(name), pull).stress(np.array(constants), None, {})
+    ground = law("yeoh-3-lni2")
+    found = Fabric(ground, pull).stress(np.array([near[one] for one in ground.names]), None, {})
+    assert min(near.values()) >= 0.0
+    assert found == pytest.approx(wanted, abs=0.01 * np.max(wanted))

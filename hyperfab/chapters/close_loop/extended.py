@@ -24,6 +24,7 @@ from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.law import Law
 from hyperfab.materials.orthotropic import ABSENT
+from hyperfab.materials.registry import law as law_called
 
 #: Forms that have no prediction where the tests state no times.
 _NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset": load_offset.IN_TIME}
@@ -133,8 +134,8 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         # The loop goes on from the ground's own law; the other commands take the whole sheet's.
         sheet["law"] = law.name if set(own) == set(law.names) else result.model
         # None of the ground's is below zero: the fit leaves them there to rounding.
-        ground_of_it = {name: max(value, 0.0) for name, value in own.items()}
-        result.model, warp = ORTHOTROPIC, how.constants(ground_of_it, values)
+        warp = {name: max(value, 0.0) for name, value in how.constants(law_called(sheet["law"]), own, values).items()}
+        result.model = ORTHOTROPIC
         for record in records:
             nu = poisson_of(record)
             if nu is not None:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.materials.effects.path import Path, second_stretch
+from hyperfab.materials.effects.path import UNIAXIAL, Path, second_stretch
 from hyperfab.materials.effects.smooth import CLOSER, through
+from hyperfab.materials.effects.threads import nearest_ground
 from hyperfab.materials.law import Array, Law, scaled
 
 #: Stress [MPa] and energy [MPa] of every row.
@@ -66,8 +67,8 @@ class Directions:
         """Return the constants along the weft."""
         raise NotImplementedError
 
-    def constants(self, ground: Mapping[str, float], values: Array) -> dict[str, float]:
-        """Return those of one energy of the whole sheet, whose ground has the law's."""
+    def constants(self, law: Law, ground: Mapping[str, float], values: Array) -> dict[str, float]:
+        """Return those of one energy of the whole sheet, whose ground is ``law`` with the constants ``ground``."""
         raise NotImplementedError
 
 
@@ -84,14 +85,16 @@ class Ratio(Directions):
 
 
 class Ratios(Ratio):
-    """The same, and between warp and weft stresses are more than their mean by a share of those along the warp."""
+    """The same, and of a strip between warp and weft stresses are more than their mean by a share of those along the
+    warp: it shears, as a sheet that is held on all sides does not."""
 
     nearly = True
 
     def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
         stress, energy = of(warp)
         share = path.weft_share
-        factor = 1.0 + share * (values[0] - 1.0) + 4.0 * share * (1.0 - share) * values[1]
+        bias = 4.0 * share * (1.0 - share) * (path.mode == UNIAXIAL)
+        factor = 1.0 + share * (values[0] - 1.0) + bias * values[1]
         return stress * factor, energy * factor
 
 
@@ -131,7 +134,8 @@ class Smooth(Directions):
     ``sin^2 a, sin^2 2a, sin^2 2a cos 2a, sin^2 4a``, each with a smooth function g of the stretch.
 
     After the strain ``reach`` the constants are, for each g, its value at rest and what it is more at even parts of
-    ``ln(1 + CLOSER ln stretch)`` up to there.
+    ``ln(1 + CLOSER ln stretch)`` up to there. That is of strips: a sheet held on all sides does not shear, and is
+    between warp and weft as it is for other forms.
     """
 
     count: int
@@ -144,17 +148,18 @@ class Smooth(Directions):
         weft = path.weft_share
         bias = 4.0 * weft * (1.0 - weft)
         ways = (weft, bias, bias * (1.0 - 2.0 * weft), 4.0 * bias * (1.0 - bias))
-        each = values[1:].reshape(self.count, -1)
-        more = sum(way * (one[0] + through(far, one[1:])) for way, one in zip(ways, each, strict=False))
+        each = [one[0] + through(far, one[1:]) for one in values[1:].reshape(self.count, -1)]
+        more = sum(way * one for way, one in zip(ways, each, strict=False))
         # Trials of a fit go anywhere; no factor of a fabric does.
-        factor = np.exp(np.clip(more, -20.0, 20.0))
+        strip, square = (np.exp(np.clip(one, -20.0, 20.0)) for one in (more, each[0]))
+        factor = np.where(path.mode == UNIAXIAL, strip, 1.0 + weft * (square - 1.0))
         return stress * factor, energy * factor
 
 
 @dataclass(frozen=True)
 class WholeSheet(Directions):
     """Threads in a ground, as one energy of the whole sheet, Orthotropic, with these of its constants; ``k2`` is that
-    of warp and weft."""
+    of warp and weft. The ground is the law, or what comes nearest to it up to the strain ``reach``."""
 
     names: tuple[str, ...]
     told_by = "model"
@@ -164,9 +169,11 @@ class WholeSheet(Directions):
         """Whether no thread and no shear stiffness is there."""
         return not any(value for name, value in zip(self.names, values, strict=True) if name.endswith("_MPa"))
 
-    def constants(self, ground: Mapping[str, float], values: Array) -> dict[str, float]:
+    def constants(self, law: Law, ground: Mapping[str, float], values: Array) -> dict[str, float]:
         """Return the constants of the orthotropic energy."""
         own = dict(zip(self.names, map(float, values), strict=True))
+        if (reach := own.pop("reach", None)) is not None:
+            ground = nearest_ground(law, ground, reach)
         if "k2" in own:
             own["k2_warp"] = own["k2_weft"] = own.pop("k2")
         return {**ground, **own}
@@ -186,6 +193,7 @@ FORMS: Mapping[str, Directions] = {
     "threads": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2", "G_MPa")),
     "threads-each": WholeSheet(("k1_warp_MPa", "k1_weft_MPa", "k2_warp", "k2_weft", "G_MPa")),
     "bias-threads": WholeSheet(_WITH_BIAS),
+    "bias-threads-nearest": WholeSheet((*_WITH_BIAS, "reach")),
     "sheet": REST,
     **{f"smooth-{count}": Smooth(count) for count in range(1, 5)},
 }

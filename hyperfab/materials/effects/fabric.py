@@ -25,7 +25,7 @@ from hyperfab.materials.effects import (
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, State, second_stretch
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.hyperfoam import Hyperfoam, HyperfoamLaw, Rows
-from hyperfab.materials.law import Array, InvariantTerm, Law, Sheet, Term
+from hyperfab.materials.law import Array, InvariantTerm, Law, Sheet, Term, scaled
 
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
@@ -248,14 +248,15 @@ class Fabric:
         ground = dict(zip(self.law.names, map(float, warp), strict=True))
         sheet = anisotropy.form_of(terms)
         assert sheet is not None
-        constants = sheet.constants(ground, terms["anisotropy"][1])
+        constants = sheet.constants(self.law, ground, terms["anisotropy"][1])
         if "compressibility" in terms:
             form, values = terms["compressibility"]
             nu = compressibility.FORMS[form].poisson(values)
             constants |= {} if nu is None else {"nu": nu}
         stress, energy, across = self._threads.answer(constants, *stretches)
         if "elastic-law" in terms:
-            more = self._of_law(np.zeros(len(warp)), terms, stretches, (*place, "added"), True)
+            nothing = np.array(list(scaled(ground, 0.0).values()))
+            more = self._of_law(nothing, terms, stretches, (*place, "added"), True)
             stress, energy = stress + more[0], energy + more[1]
         return stress, energy, across
 

@@ -9,17 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from scipy.optimize import nnls
 
 from hyperfab.materials.effects.path import BIAXIAL, UNIAXIAL, Path, second_stretch
-from hyperfab.materials.law import Array
+from hyperfab.materials.law import Array, Law, Sheet
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.energy import ABSENT
 from hyperfab.materials.orthotropic.specimen import Strip, held, strip
+from hyperfab.materials.registry import law as law_called
 
 #: Constants of an isotropic law that the energy's ground has by the same name.
 GROUND = frozenset({"C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa"})
+#: The law that has them all, and at how many stretches of a test another law is brought to it.
+_FULL_GROUND, _MET = "yeoh-3-lni2", 32
 #: Stretches at which a strip's equilibrium is sought; between them its stress goes with its slope.
 _KNOTS = 32
 #: An equilibrium at stretches as near as this is one to begin from.
@@ -81,6 +86,32 @@ class Threads:
             return None
         self._last = found
         return found
+
+
+def nearest_ground(law: Law, constants: Mapping[str, float], reach: float) -> dict[str, float]:
+    """Return the ground that comes nearest to an isotropic ``law``, in the stress of a strip pulled to the strain
+    ``reach``. No number where the law has no stress there.
+
+    >>> from hyperfab.materials.registry import law
+    >>> found = nearest_ground(law("mooney-rivlin-2"), {"C10_MPa": 0.2, "C01_MPa": 0.0}, 1.0)
+    >>> {name: round(value, 9) for name, value in found.items()}
+    {'C10_MPa': 0.2, 'C20_MPa': 0.0, 'C30_MPa': 0.0, 'C2_MPa': 0.0}
+    """
+    names = law_called(_FULL_GROUND).names
+    met, columns = _columns(reach)
+    c, theta = law.split(constants)
+    stress = sum(own * term.stress(met) for own, term in zip(c, law.terms(met, theta), strict=True))
+    if not np.all(np.isfinite(stress)):
+        return dict.fromkeys(names, np.nan)
+    return dict(zip(names, map(float, nnls(columns, stress)[0]), strict=True))
+
+
+@cache
+def _columns(reach: float) -> tuple[Sheet, Array]:
+    """Return the stretches at which a law is brought to the ground, and the stress of each of the ground's terms."""
+    stretch = 1.0 + reach * np.linspace(0.0, 1.0, _MET + 1)[1:]
+    met = Sheet.of(stretch, stretch**-0.5)
+    return met, np.stack([term.stress(met) for term in law_called(_FULL_GROUND).terms(met, ())], axis=1)
 
 
 def _law(constants: Mapping[str, float]) -> Orthotropic:

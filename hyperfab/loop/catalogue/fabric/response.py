@@ -91,6 +91,14 @@ def anisotropy(context: DataContext) -> Effect:
         # What a law of the whole sheet already has beside its ground.
         own = Form("sheet", (*bias.constants, shear), tuple((*start, 0.05 * stiff) for start in bias.starts))
         forms += tried_if(False, own)
+    elif law.carries_simple_shear:
+        bias = _bias_threads(warp, across, growth, stiff, far, len(context.slanted) > 3)
+        nearest = replace(
+            freely(forms, "bias-threads-nearest", (*bias.constants, fixed("reach", context.reach)), bias.starts[0]),
+            starts=tuple((*start, context.reach) for start in bias.starts),
+            takes_over=True,
+        )
+        forms += tried_if(len(context.slanted) > 1, nearest)
     forms += _smooth_in_angle(context, tuple(forms))
     return Effect(
         id="anisotropy",
