@@ -78,8 +78,7 @@ class Search:
         for signature in state.found:
             name = signature.effect.id
             best[name] = max(best.get(name, 0.0), points_at(signature))
-        order = sorted(best, key=lambda name: -best[name])
-        return [(self.problem.effect(name), best[name]) for name in order]
+        return [(self.problem.effect(name), best[name]) for name in sorted(best, key=lambda name: -best[name])]
 
     def worth(self, state: Candidate) -> dict[str, float]:
         """Return what each entry not in the model would lower BIC by, to first order: along its best signature."""
@@ -192,10 +191,8 @@ class Search:
         return found
 
     def enriched(self, state: Candidate) -> Candidate:
-        """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC.
-
-        For names that stand already: where much is left of what they are to explain, the simplest law is not the aim.
-        """
+        """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC:
+        where much is left of what names that stand are to explain, the simplest law is not the aim."""
         best = self._richest(self._richest(state.fit, free=False), free=True)
         return state if best is state.fit else self.state(best)
 
@@ -241,11 +238,12 @@ class Search:
             near = given | {name: form.begin(parent.forms[name], given[name])}
             # What the constants have come to beside one form may be far from what they are beside another.
             anew = given | {name: np.array(form.starts[0])}
-            owns = parent.x[: parent.own], self._states[()].fit.x
-            starts = [np.concatenate([own, *parts.values()]) for own, parts in zip(owns, (near, anew), strict=True)]
+            base = self._states[()].fit.x
+            pairs = [(parent.x[: parent.own], near), (base, anew)]
             if form.takes_over:
-                kept = self.problem.scaled(owns[1], _NEXT_TO_NOTHING)
-                starts += [np.concatenate([kept, *(given | {name: np.array(one)}).values()]) for one in form.starts]
+                kept = self.problem.scaled(base, _NEXT_TO_NOTHING)
+                pairs += [(kept, given | {name: np.array(one)}) for one in form.starts]
+            starts = [np.concatenate([own, *parts.values()]) for own, parts in pairs]
             found = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
             if not np.isfinite(found.chi2):
                 return None
