@@ -53,10 +53,10 @@ class Belief:
 def allowed(before: float) -> float:
     """Return how much structure a right name may leave of ``before``, both in standard deviations of the noise.
 
-    >>> allowed(100.0), round(allowed(1.0), 3)
-    (0.675, 0.224)
+    >>> allowed(100.0), round(allowed(2.5), 3), allowed(1.0)
+    (0.675, 0.559, 0.45)
     """
-    return float(min(1.5 * SMALL, np.sqrt(SHARE) * before))
+    return float(np.clip(np.sqrt(SHARE) * before, SMALL, 1.5 * SMALL))
 
 
 def explains(base: Candidate, state: Candidate) -> bool:

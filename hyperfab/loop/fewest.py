@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.loop.belief import allowed, explains, surprise
 from hyperfab.loop.judge import Candidate, Evidence, structured
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import ODDS, SMALL, TOLD
+from hyperfab.loop.thresholds import ODDS, TOLD
 
 #: Names beside which the plain law is made richer.
 _LIKELY = 2
@@ -25,7 +25,7 @@ def fewest(
     tried: dict[str, Evidence],
     no_worse: Callable[[Candidate], bool],
 ) -> Candidate:
-    """Return the likeliest model that leaves noise, of richer forms or free ones.
+    """Return the likeliest model that leaves noise, of richer forms or free ones; where none does, the nearest.
 
     A further name may only make up for a formula that is not quite the fabric's, and where no name could be found none
     may have had the right one. The name is what a smooth law of it explains; each further one has to pay. A model that
@@ -75,7 +75,7 @@ def _pays(search: Search, state: Candidate) -> bool:
 def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate], bool]) -> Candidate | None:
     """Return the likeliest of all models fitted that leaves noise, each of its names needed; None if none does."""
     least = search.noise.least
-    limit = max(allowed(structured(before.fit, search.problem, search.noise, least)), SMALL)
+    limit = allowed(structured(before.fit, search.problem, search.noise, least))
     # Of few readings noise itself may leave more.
     limit = max(limit, TOLD * (2.0 / len(before.fit.residual)) ** 0.25)
     near = [

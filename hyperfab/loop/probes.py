@@ -103,7 +103,7 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
     """
     if len(problem.curves) < 3:
         return
-    tried, most = [], max(SMALL, allowed(found.before.judgement.structured))
+    tried, most = [], allowed(found.before.judgement.structured)
     for curve in problem.curves:
         silent = found.noise.plain.sd.copy()
         silent[curve.rows] = np.inf

@@ -268,7 +268,7 @@ def _left(found: Finding, document: LoopDocument) -> str:
     beyond = document.residual.structured
     size = " is no larger than the noise"
     if beyond:
-        is_large = beyond > max(SMALL, allowed(found.before.judgement.structured))
+        is_large = beyond > allowed(found.before.judgement.structured)
         beside = "no more than a testing machine may be off" if is_large else "small beside it"
         size = f", {beyond:.2g} of a standard deviation of the noise, is {beside}"
     return f"What is left{size}, though not noise to the tests ({what}: p = {chance:.1g})"
