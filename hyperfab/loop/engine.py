@@ -257,12 +257,15 @@ def _says_more(search: Search, best: Candidate, state: Candidate) -> bool:
 def _to_grow_on(search: Search, beam: list[Candidate], done: bool) -> list[Candidate]:
     """Return the models that further terms are added to: those with a form of many constants with a simple one as well,
     and with that alone where nothing is left to tell."""
-    plain = [state for larger in beam for state in search.plainer(larger)]
-    if done:
-        return [*(state for state in beam if not search.plainer(state)), *plain]
+    plainer = [search.plainer(state) for state in beam]
     # A model that misses three times as much as the best would only find its way to the same terms.
-    kept = [state for state in beam if state.excess - 1.0 <= _HOPELESS * max(beam[0].excess - 1.0, 0.01)]
-    return [*kept, *plain]
+    most = _HOPELESS * max(beam[0].excess - 1.0, 0.01)
+    kept = [
+        state
+        for state, simple in zip(beam, plainer, strict=True)
+        if (not simple if done else state.excess - 1.0 <= most)
+    ]
+    return [*kept, *(state for simple in plainer for state in simple)]
 
 
 def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, evidence: Evidence) -> bool:

@@ -37,7 +37,7 @@ from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.identification.design import Problem as LawProblem
 from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.rows import Rows
-from hyperfab.materials.law import Law, Sheet
+from hyperfab.materials.law import Law, Sheet, stresses
 
 #: Rows that are enough to find the valley of a law's constants; the loop's own fit sees all.
 _VALLEY = 240
@@ -120,7 +120,8 @@ class FabricProblem(Problem):
 
     def scaled(self, own: Array, factor: float) -> Array:
         """Return the constants with those that are stresses ``factor`` times as large."""
-        return np.where([constant.name.endswith("_MPa") for constant in self.own], factor * own, own)
+        names = [constant.name for constant in self.own]
+        return np.where(np.isin(names, stresses(names)), factor * own, own)
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.heat import FARTHEST_K, FASTEST_K_S, DataContext, entries
 from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
-from hyperfab.thermal.sensors import lagging
+from hyperfab.thermal.sensors import as_shown, lagging
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.tables import Table
 
@@ -95,15 +95,13 @@ class HeatProblem(Problem):
 
     def given_off(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Table]:
         """Return the power [W] that each heater brings into the mold over the first run, what is lost taken off."""
-        run = self.runs[0]
-        settings, _ = self._settings(own[None, :], [terms])
-        shapes = np.stack([shape for shape, _ in run.mold.heaters])
-        clock, _ = run.clock
-        hot = replace(run.mold, probes=shapes).run(clock, settings)[0] - run.mold.reference_degC
+        mold = self.runs[0].mold
+        clock, read, settings = self._read(np.stack([shape for shape, _ in mold.heaters]), own, terms)
+        hot = read - mold.reference_degC
         names = ("lost", "lost_per_K", "lost_per_K2", "back_W_K", "wire_per_K")
         lost, rate, bend, back, wire = settings.of(0, *names)
         found = []
-        for number, (_, table) in enumerate(run.mold.heaters):
+        for number, (_, table) in enumerate(mold.heaters):
             at = np.union1d(clock, table.x)
             above = np.interp(at, clock, hot[:, number])
             power = table(at) * settings.power[0, number]
@@ -114,36 +112,37 @@ class HeatProblem(Problem):
 
     def bench_degC(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Table:
         """Return how warm [degC] what the mold stands on is over the first run."""
-        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
-        settings, _ = self._settings(own[None, :], [terms])
+        mold = self.runs[0].mold
         under = mold.bench.weights @ mold.bench.rows / np.sum(mold.bench.weights)
-        face = replace(mold, probes=under[None, :]).run(clock, settings)[0, :, 0]
+        clock, face, settings = self._read(under[None, :], own, terms)
         air = mold.surroundings(clock) + settings.air_K(0, clock)[:, -1]
         share, time = settings.of(0, "bench_share", "bench_s")
-        # It follows the face in the time it takes; between two times the face changes evenly.
-        follows, steps = share * (face - air), np.diff(clock) / max(time, 1e-9)
-        warmed = np.zeros(len(clock))
-        for k, step in enumerate(steps):
-            slope = (follows[k + 1] - follows[k]) / step
-            warmed[k + 1] = follows[k + 1] - slope + (warmed[k] - follows[k] + slope) * np.exp(-step)
+        follows, late = share * (face[:, 0] - air), max(time, 1e-9)
+        # It follows the face as a sensor does, but begins as warm as the air.
+        warmed = as_shown(clock, follows - follows[0], [late]) - follows[0] * np.expm1((clock[0] - clock) / late)
         return Table(clock, air + warmed)
 
     def joint_share(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Table:
         """Return how many times better the opened joints conduct over the first run than at the mold's start."""
-        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
-        settings, _ = self._settings(own[None, :], [terms])
-        mean = replace(mold, probes=mold.mean[None, :]).run(clock, settings)[0, :, 0]
-        return Table(clock, 1.0 + np.maximum(settings.of(0, "joint_per_K") * (mean - mold.reference_degC), -0.95))
+        mold = self.runs[0].mold
+        clock, mean, settings = self._read(mold.mean[None, :], own, terms)
+        above = mean[:, 0] - mold.reference_degC
+        return Table(clock, 1.0 + np.maximum(settings.of(0, "joint_per_K") * above, -0.95))
 
     def temperatures(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> tuple[Array, Array]:
         """Return the temperatures [degC] over the first run at which films and materials are read, row by row of time:
         those of the faces that have a film, and the parts' means.
         """
-        mold, (clock, _) = self.runs[0].mold, self.runs[0].clock
-        settings, _ = self._settings(own[None, :], [terms])
-        read = np.concatenate([mold.parts, *(face.rows for face in mold.films)])
-        found = replace(mold, probes=read).run(clock, settings)[0]
+        mold = self.runs[0].mold
+        _, found, _ = self._read(np.concatenate([mold.parts, *(face.rows for face in mold.films)]), own, terms)
         return found[:, len(mold.parts) :], found[:, : len(mold.parts)]
+
+    def _read(self, probes: Array, own: Array, terms: Mapping[str, tuple[str, Array]]) -> tuple[Array, Array, Settings]:
+        """Return the times [s] of the first run, what ``probes`` (p, n) read at these (t, p) [degC], and what the mold
+        is run with."""
+        run, (settings, _) = self.runs[0], self._settings(own[None, :], [terms])
+        clock, _ = run.clock
+        return clock, replace(run.mold, probes=probes).run(clock, settings)[0], settings
 
     def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
         settings, lags = self._settings(own, terms)

@@ -439,16 +439,21 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert extended["setup"]["prestretch"] > 1.005
 
 
-@pytest.mark.slow
-def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
-    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=40, around=80))
+def drape_a_ball(folder: Path, hf: Run) -> None:
+    """Write ``drape.json``: a sheet of two measured threads over a ball."""
+    (folder / "ball.stl").write_bytes(nets.ball_stl(rings=40, around=80))
     for way, modulus in (("warp", nets.WARP), ("weft", nets.WEFT)):
-        (tmp_path / f"{way}.csv").write_text(nets.thread_csv(modulus))
+        (folder / f"{way}.csv").write_text(nets.thread_csv(modulus))
     n, side = nets.NODES, nets.SIDE
     words = ["--mold", "ball.stl", "--warp", "warp.csv", "--weft", "weft.csv", "--grid", f"{n}x{n}"]
     words += ["--size", f"{side}mmx{side}mm", "--depth", f"{nets.DEPTH}mm", "--thickness", f"{nets.THICK}mm"]
-    done = hf("drape", *words, "-o", "drape.json", cwd=tmp_path)
+    done = hf("drape", *words, "-o", "drape.json", cwd=folder)
     assert done.returncode == 0, done.stderr.decode()
+
+
+@pytest.mark.slow
+def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
+    drape_a_ball(tmp_path, hf)
     random = np.random.default_rng(7)
     flat, found = nets.measure(nets.draw(random, ("gravity",)), random, 0.05, "rich")
     csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", flat, found)
@@ -474,13 +479,7 @@ def test_weight_of_a_draped_sheet_is_found(tmp_path: Path, hf: Run) -> None:
 @pytest.mark.slow
 def test_markers_that_were_lost_are_told_and_left_out(tmp_path: Path, hf: Run) -> None:
     """Two of 120 are 5 mm off: with them in, nothing explained the sheet that hangs by its weight."""
-    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=40, around=80))
-    for way, modulus in (("warp", nets.WARP), ("weft", nets.WEFT)):
-        (tmp_path / f"{way}.csv").write_text(nets.thread_csv(modulus))
-    n, side = nets.NODES, nets.SIDE
-    words = ["--mold", "ball.stl", "--warp", "warp.csv", "--weft", "weft.csv", "--grid", f"{n}x{n}"]
-    words += ["--size", f"{side}mmx{side}mm", "--depth", f"{nets.DEPTH}mm", "--thickness", f"{nets.THICK}mm"]
-    assert hf("drape", *words, "-o", "drape.json", cwd=tmp_path).returncode == 0
+    drape_a_ball(tmp_path, hf)
     random = np.random.default_rng(7)
     flat, found = nets.measure(nets.draw(random, ("gravity",)), random, 0.05, "rich")
     found[[30, 77]] += [[5.0, 0.0, 0.0], [0.0, -3.0, 4.0]]

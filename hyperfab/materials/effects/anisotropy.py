@@ -92,9 +92,8 @@ class Ratios(Ratio):
 
     def answer(self, of: OfLaw, path: Path, stretch: Array, warp: Array, values: Array) -> Answer:
         stress, energy = of(warp)
-        share = path.weft_share
-        bias = 4.0 * share * (1.0 - share) * (path.mode == UNIAXIAL)
-        factor = 1.0 + share * (values[0] - 1.0) + bias * values[1]
+        bias = path.bias_share * (path.mode == UNIAXIAL)
+        factor = 1.0 + path.weft_share * (values[0] - 1.0) + bias * values[1]
         return stress * factor, energy * factor
 
 
@@ -145,8 +144,7 @@ class Smooth(Directions):
         """Return what the sheet answers whose warp has the constants ``warp``."""
         stress, energy = of(warp)
         far = np.log1p(CLOSER * np.abs(np.log(stretch))) / np.log1p(CLOSER * np.log1p(values[0]))
-        weft = path.weft_share
-        bias = 4.0 * weft * (1.0 - weft)
+        weft, bias = path.weft_share, path.bias_share
         ways = (weft, bias, bias * (1.0 - 2.0 * weft), 4.0 * bias * (1.0 - bias))
         each = [one[0] + through(far, one[1:]) for one in values[1:].reshape(self.count, -1)]
         more = sum(way * one for way, one in zip(ways, each, strict=False))

@@ -120,8 +120,8 @@ class Contraction:
         if self.smooth:
             way = np.log(path.stretch) / np.log1p(values[0])
             each = [one[0] + through(way, one[1:]) for one in self._smooth_parts(values)]
-            return _of_way(path.weft_share, each), 0.0
-        nu = _of_way(path.weft_share, [np.full_like(path.stretch, value) for value in values[: self.ways]])
+            return _of_way(path, each), 0.0
+        nu = _of_way(path, [np.full_like(path.stretch, value) for value in values[: self.ways]])
         return nu, float(values[-1]) if self.bent else 0.0
 
     def _smooth_parts(self, values: Array) -> list[Array]:
@@ -167,12 +167,12 @@ class Split(Slope):
         return *of_shape(path.mode, stretch, path.across, ratio), 1.0 / np.cbrt(ratio)
 
 
-def _of_way(weft: Array, each: Sequence[Array]) -> Array:
-    """Return what a row has, by its share of the ``weft``, of warp, weft and what is more between them."""
+def _of_way(path: Path, each: Sequence[Array]) -> Array:
+    """Return what a row has, by its direction, of warp, weft and what is more between them."""
     found = each[0]
     if len(each) > 1:
-        found = found + weft * (each[1] - each[0])
-    return found + 4.0 * weft * (1.0 - weft) * each[2] if len(each) > 2 else found
+        found = found + path.weft_share * (each[1] - each[0])
+    return found + path.bias_share * each[2] if len(each) > 2 else found
 
 
 #: The forms in which a sheet changes its volume.

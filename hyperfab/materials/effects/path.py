@@ -87,6 +87,11 @@ class Path:
         # sin(90 deg) squared is 1 to rounding; the weft is the weft.
         return np.asarray(np.where(np.abs(share - 1.0) < 1e-12, 1.0, share))
 
+    @property
+    def bias_share(self) -> Array:
+        """How much of what lies between warp and weft a row has: sin^2 of twice the angle from the warp."""
+        return np.asarray(4.0 * self.weft_share * (1.0 - self.weft_share))
+
     @cached_property
     def any_pressed(self) -> bool:
         """Whether any specimen is pressed."""

@@ -12,7 +12,6 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solveh_banded
 from scipy.special import ndtri, stdtr, stdtrit
 
 from hyperfab.arrays import Flags, Ints
@@ -114,6 +113,8 @@ def _neighbours(values: Array, together: Flags) -> Array:
 def _correlated(values: Array, together: Flags, rho: float) -> Array:
     """Return columns (rows, q) times the correlations ``rho^|i - j|`` of rows along each curve, whose inverse has three
     diagonals; ``together`` (rows - 1,) says which rows are neighbours."""
+    from scipy.linalg import solveh_banded  # replicates tell more, and do without what it takes to load
+
     behind, before = np.append(together, False), np.append(False, together)
     inverse = np.stack([np.where(before, -rho, 0.0), 1.0 + rho * rho * (before & behind)])
     inverse[1] -= rho * rho * ~(before | behind)
