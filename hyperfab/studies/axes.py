@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -191,8 +191,3 @@ def _positive(values: Sequence[float], file: str, place: str) -> None:
 def _written(value: float, unit: str) -> Level:
     number = float(f"{value:.{_DIGITS}g}")
     return Level(f"{number!r} {unit}" if unit else repr(number), number)
-
-
-def plain(levels: Mapping[str, Level]) -> dict[str, float | int | bool | str]:
-    """Return the values of a case without their units, for its row of the table."""
-    return {name: level.value for name, level in levels.items()}

@@ -30,13 +30,11 @@ DIED = 137
 
 @dataclass
 class Progress:
-    """How far a run has come: steps run, found finished, not run for want of an earlier one; seconds in commands."""
+    """How far a run has come: steps run, found finished, not run for want of an earlier one."""
 
-    cases: int = 0
     run: int = 0
     reused: int = 0
     skipped: int = 0
-    seconds: float = 0.0
 
 
 @dataclass(eq=False)
@@ -81,7 +79,6 @@ class Engine:
                 if case is None:
                     exhausted = True
                     break
-                self.progress.cases += 1
                 for step in case.steps:
                     self._take(step)
             while self._ready and len(self._flying) < 2 * slots + 1:
@@ -152,7 +149,6 @@ class Engine:
             if outcome.status == OutputError.exit_status:
                 raise OutputError(outcome.message)
             self.progress.run += 1
-            self.progress.seconds += seconds
             self._mean += 0.1 * (seconds + 0.002 - self._mean)
             self._deaths.pop(key, None)
             if not outcome.kept:

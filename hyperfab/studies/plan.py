@@ -18,7 +18,7 @@ from hyperfab.errors import HyperfabError, InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
-from hyperfab.studies.axes import Axis, Layout, plain
+from hyperfab.studies.axes import Axis, Layout
 from hyperfab.studies.template import TemplateError, fill, names
 
 #: Digits of a hash that name a step or a case: 128 bits.
@@ -47,9 +47,8 @@ class Step:
 
 @dataclass(frozen=True)
 class Case:
-    """One row of the study: its place in the order, its values, its steps in the order of the chain."""
+    """One row of the study: its values, its steps in the order of the chain."""
 
-    index: int
     key: str
     values: Mapping[str, float | int | bool | str]
     steps: tuple[Step, ...]
@@ -85,9 +84,8 @@ class Plan:
         steps: dict[str, Step] = {}
         for position, section in enumerate(self.study.step):
             steps[section.name] = self._step(position, section, texts, numbers, steps)
-        values = plain(levels)
         key = _hash({"values": texts, "steps": [step.key for step in steps.values()]})
-        return Case(index, key, values, tuple(steps.values()))
+        return Case(key, {name: level.value for name, level in levels.items()}, tuple(steps.values()))
 
     def edited(self, name: str) -> dict[str, Any]:
         """Return document ``name`` as the first case edits it, its files by absolute path."""
