@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+import shlex
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -13,6 +14,7 @@ from hyperfab.cases.options import words
 from hyperfab.chapters.commands import run
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
+from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import MAX_BYTES, Inputs
 from hyperfab.io.output import Output
@@ -96,6 +98,12 @@ def rerun(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
     status = run(job, case)
     kept = job.outputs[-1]
     return Made(kept.document, kept.siblings, status, listener.warnings)
+
+
+def command_line(case: Case, target: str, given: Container[str], *more: str) -> str:
+    """Return what runs a case beside the document ``target``, with ``more`` words; the files ``given`` are to come."""
+    shown = [relative_name(word, target) if os.path.exists(word) or word in given else word for word in words(case)]
+    return shlex.join(["hf", case.COMMAND, *shown, *more])
 
 
 def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:

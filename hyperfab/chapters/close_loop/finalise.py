@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -13,18 +11,16 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
-from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.documents.base import stated_kind
 from hyperfab.documents.loop import Errors, LoopDocument
-from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import HyperfabError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.json_io import dump_json
@@ -184,11 +180,10 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     notes = list(extension.notes)
     for suffix, data in files.items():
         out.add(suffix, data)
-    command, asked = extension.case.COMMAND, words(extension.case)
     try:
         made = rerun(extension.case, target, given)
     except HyperfabError as error:
-        notes.append(f"hf {command} does not run with what was found: {error}")
+        notes.append(f"hf {extension.case.COMMAND} does not run with what was found: {error}")
         result.warnings += notes
         job.console.warn(*notes)
         return
@@ -204,8 +199,7 @@ def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, ca
     for suffix, data in made.siblings.items():
         out.add(f".model{suffix}", data)
     result.model = out.path(".model.json").name
-    shown = [relative_name(word, target) if os.path.exists(word) or word in given else word for word in asked]
-    result.model_command = shlex.join(["hf", command, *shown, "-o", result.model])
+    result.model_command = command_line(extension.case, target, given, "-o", result.model)
     job.console.warn(*notes)
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
 

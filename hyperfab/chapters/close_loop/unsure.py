@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
-from hyperfab.chapters.uncertainty.sources import Entry, Number, Origin, Place, inside, of_document, read_as
+from hyperfab.chapters.uncertainty.sources import Entry, Origin, Place, inside, of_document, read_as, together
 from hyperfab.documents.foam import FoamDocument, in_full
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import quantity
-from hyperfab.numerics.propagation import Source
 
 #: Quantities of a mold that are off by a share of themselves, by their section; those that are off by kelvins.
 _SHARES = {
@@ -140,12 +139,6 @@ def of_sandwich(inputs: Inputs, name: str, share: float) -> Iterator[tuple[str, 
             number = entry(("press", key, axis), kind, unit)
             if number.name not in taken:
                 yield "mounting", together([number], sd)
-
-
-def together(numbers: Sequence[Number], sd: Array | float) -> Origin:
-    """Return numbers that change together by one standard deviation (k,) each."""
-    sizes = np.broadcast_to(np.asarray(sd, dtype=np.float64), len(numbers))
-    return Origin(Source(numbers[0].name, np.outer(sizes, sizes)), tuple(numbers))
 
 
 def _chapter(one: Origin) -> str:

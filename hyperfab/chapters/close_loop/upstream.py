@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -12,13 +11,11 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.cases.case import Case
-from hyperfab.cases.options import words
 from hyperfab.chapters.close_loop.describe import errors_of
 from hyperfab.chapters.close_loop.extended_mold import relocate
-from hyperfab.chapters.rerun import rerun
+from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
-from hyperfab.documents.provenance import relative_name
 from hyperfab.errors import NotConverged
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.output import Output
@@ -190,8 +187,7 @@ def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
             if getattr(corrected.command, one.name) == link.document
         }
         command = replace(corrected.command, **changed)
-    shown = [relative_name(word, name) if os.path.exists(word) or word == name else word for word in words(command)]
-    return os.path.basename(name), shlex.join(["hf", command.COMMAND, *shown])
+    return os.path.basename(name), command_line(command, name, [name])
 
 
 def _relocated(data: bytes, old: str, new: str) -> bytes:

@@ -18,14 +18,7 @@ from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.press import closed_press, on_front
-from hyperfab.chapters.close_loop.unsure import (
-    is_length,
-    mounted,
-    of_sandwich,
-    together,
-    unsure_fabric,
-    unsure_mold,
-)
+from hyperfab.chapters.close_loop.unsure import is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
@@ -46,6 +39,7 @@ from hyperfab.chapters.uncertainty.sources import (
     Stiffness,
     origins,
     read_as,
+    together,
 )
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.base import parse_document

@@ -212,7 +212,7 @@ def of_case(case: Case) -> Iterator[Origin]:
             alike.setdefault((get(case, path), sd), []).append(path)
         for (_, sd), paths in alike.items():
             name = paths[0] if len(paths) == 1 else one.key
-            yield _together(name, [Setting(path) for path in paths], sd)
+            yield together([Setting(path) for path in paths], sd, name)
 
 
 def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
@@ -227,7 +227,7 @@ def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
         key = (float(value), value.sd) if place[-1] in _SHARED else place
         alike.setdefault(key, (tolerance(value), []))[1].append(entry)
     for sd, entries in alike.values():
-        yield _together(entries[0].name, entries, sd)
+        yield together(entries, sd)
 
 
 def of_material(document: MaterialDocument, file: str, asked: float | None, origins: Origins) -> None:
@@ -272,9 +272,8 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
         return
     origins.found += known
     if laws:
-        sd = np.array([spread for spread, _ in laws])
-        numbers = tuple(number for _, number in laws)
-        origins.found.append(Origin(Source(f"{base}: choice of the law", np.outer(sd, sd)), numbers))
+        spreads, numbers = zip(*laws, strict=True)
+        origins.found.append(together(numbers, np.array(spreads), f"{base}: choice of the law"))
     if document.effects:
         origins.left_out.append(f"{base}: how sure its effects are")
 
@@ -353,8 +352,10 @@ def _law(part: MaterialDocument | Direction) -> float | None:
     return part.fit.uncertainty.law if part.fit is not None and part.fit.uncertainty is not None else None
 
 
-def _together(name: str, numbers: Sequence[Number], sd: float) -> Origin:
-    return Origin(Source(name, np.full((len(numbers), len(numbers)), sd**2)), tuple(numbers))
+def together(numbers: Sequence[Number], sd: Array | float, name: str | None = None) -> Origin:
+    """Return numbers that change together by one standard deviation (k,) each, by the first's name if none is given."""
+    sizes = np.broadcast_to(np.asarray(sd, dtype=np.float64), len(numbers))
+    return Origin(Source(name or numbers[0].name, np.outer(sizes, sizes)), tuple(numbers))
 
 
 def _stated(value: Any, place: Place = ()) -> Iterator[tuple[Place, Toleranced]]:
