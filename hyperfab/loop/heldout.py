@@ -39,12 +39,6 @@ class HeldOut:
         told = tuple(int(one) for one in np.flatnonzero(np.isfinite(off)))
         return HeldOut(off, told, np.abs(off), tuple(slice(k, k + 1) for k in range(len(off))))
 
-    @property
-    def mean_square(self) -> float:
-        """Mean square over the rows that count, in squared standard deviations of the noise."""
-        known = self.residual[np.isfinite(self.residual)]
-        return float(np.mean(known**2)) if len(known) else np.nan
-
 
 def leave_curves_out(fit: Fit, curves: Sequence[Curve]) -> HeldOut:
     """Predict each curve from all others: a Gauss-Newton step away from the joint optimum, exact for linear models."""

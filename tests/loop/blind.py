@@ -263,7 +263,7 @@ def table(
             first = problem.channel == 0
             miss, was = (float(np.sum((problem.measured - one)[first] ** 2)) for one in worse)
             tally["#after > before"] += miss > was
-            tally["#held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
+            tally["#held out <= 1.2"] += bool(np.nanmean(found.after.held_out.residual**2) <= 1.44)
             tally["#wrong alone"] += found.verdict == "effect" and not any(in_answer(n, found) for n in truth)
             tally["#ms"] += round(1000.0 * took)
             tally["#slowest ms"] = max(tally["#slowest ms"], round(1000.0 * took))

@@ -92,7 +92,7 @@ def table(trials: Trials, truth: tuple[str, ...], seeds: Sequence[int], protocol
             name not in truth and not any(name in one and set(one) & set(truth) for one in found.indistinguishable)
             for name in found.after.ids
         )
-        tally["held out <= 1.2"] += bool(found.after.held_out.mean_square <= 1.44)
+        tally["held out <= 1.2"] += bool(np.nanmean(found.after.held_out.residual**2) <= 1.44)
         told = label(found)
         if follow and found.verdict == "ambiguous" and found.measurements and case.next is not None:
             for key, what in (("next", found.measurements[0]), ("repeated", None)):
