@@ -9,6 +9,7 @@ from hashlib import sha256
 import numpy as np
 from numpy.typing import ArrayLike
 
+from hyperfab.chapters.validity import span
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Tested
 from hyperfab.errors import InputError, UsageError
@@ -182,20 +183,16 @@ def _what(tests: Sequence[TestData]) -> str:
         ("thickness", {test.thickness_mm for test in tests}),
     ):
         known = sorted(size for size in sizes if size is not None)
-        parts += [f"{name} {_span(known[0], known[-1])} mm"] if known else []
+        parts += [f"{name} {span(known[0], known[-1])} mm"] if known else []
     warm = [one for test in tests if (one := test.temperature_degC) is not None]
     if warm:
-        parts.append(f"{_span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC")
+        parts.append(f"{span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC")
     cycles = {int(number) for test in tests if test.cycle is not None for number in np.unique(test.cycle)}
     if cycles:
-        parts.append(f"cycle{'s' if len(cycles) > 1 else ''} {_span(min(cycles), max(cycles))}")
+        parts.append(f"cycle{'s' if len(cycles) > 1 else ''} {span(min(cycles), max(cycles))}")
     sides = {int(side) for test in tests if test.branch is not None for side in np.unique(test.branch)}
     parts += [word for word, side in (("loading", 1), ("unloading", -1)) if side in sides]
     return "; ".join(parts)
-
-
-def _span(low: float, high: float) -> str:
-    return f"{low:.4g}" if f"{low:.4g}" == f"{high:.4g}" else f"{low:.4g} to {high:.4g}"
 
 
 def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:

@@ -104,9 +104,9 @@ class Ranges:
         words = []
         for entry, unit, then in self._uses.values():
             if entry.within is False and entry.known is not None:
-                known = f"{entry.source}: {_shown(entry.known, unit)}" + (f"; {then}" if then else "")
+                known = f"{entry.source}: {span(*entry.known, unit)}" + (f"; {then}" if then else "")
                 along = f" along the {entry.direction}" if entry.direction else ""
-                words.append(f"{entry.of.removesuffix('_degC')}{along} {_shown(entry.used, unit)} ({known})")
+                words.append(f"{entry.of.removesuffix('_degC')}{along} {span(*entry.used, unit)} ({known})")
         return f"used beyond what is known: {', '.join(words)}" if words else None
 
 
@@ -116,6 +116,11 @@ def _ends(values: ArrayLike) -> tuple[float, float] | None:
     return (float(found.min()), float(found.max())) if len(found) else None
 
 
-def _shown(ends: tuple[float, float], unit: str) -> str:
-    low, high = (f"{value:.4g}" for value in ends)
-    return f"{low if low == high else f'{low} to {high}'}{' ' + unit if unit else ''}"
+def span(low: float, high: float, unit: str = "") -> str:
+    """Return a range in words, or its one value.
+
+    >>> span(23.0, 105.0, "degC"), span(1, 1)
+    ('23 to 105 degC', '1')
+    """
+    ends = dict.fromkeys(f"{value:.4g}" for value in (low, high))
+    return " to ".join(ends) + (f" {unit}" if unit else "")
