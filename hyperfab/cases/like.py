@@ -56,7 +56,7 @@ class Earlier(Generic[CaseT]):
         hidden = [
             file.name
             for place, file in now.items()
-            if place not in near and file.sha256 not in self.far.get(_base(place), [file.sha256])
+            if place not in near and file.sha256 not in self.far.get(os.path.basename(place), [file.sha256])
         ]
         return moved + hidden
 
@@ -95,7 +95,7 @@ def earlier(cls: type[CaseT], data: Mapping[str, Any], name: str, replaced: Coll
     told = {digest for one in hashes.values() for digest in (one if isinstance(one, list) else [one])}
     far: dict[str, set[str]] = {}
     for file in provenance.inputs:
-        bare = file.name == _base(file.name) and not os.path.isfile(search.beside(file.name))
+        bare = file.name == os.path.basename(file.name) and not os.path.isfile(search.beside(file.name))
         if bare and file.sha256 not in told:
             far.setdefault(file.name, set()).add(file.sha256)
     return Earlier(name, cls, values, read, far, search.changed)
@@ -142,8 +142,9 @@ class _Search:
         return self._found(shown, known) + part
 
     def _found(self, shown: str, known: str | None) -> str:
-        inputs = self.provenance.inputs
-        relative = next((one.name for one in inputs if one.sha256 == known and _base(one.name) == _base(shown)), shown)
+        inputs, bare = self.provenance.inputs, os.path.basename(shown)
+        named = (one.name for one in inputs if one.sha256 == known and os.path.basename(one.name) == bare)
+        relative = next(named, shown)
         wanted = {known} if known else {one.sha256 for one in inputs if one.name == relative}
         if relative == "-":
             return self._kept(wanted)
@@ -151,7 +152,7 @@ class _Search:
         others = [relative]
         # No further: a copy that happens to lie about elsewhere is not the user's file.
         for folder in (Path(), Path(self.name).parent):
-            others += [str(path) for path in [folder / _base(relative), *sorted(folder.glob(f"*/{_base(relative)}"))]]
+            others += [str(path) for path in [folder / bare, *sorted(folder.glob(f"*/{bare}"))]]
         for place in (first, *(os.path.normpath(place) for place in others)):
             if os.path.isfile(place) and (not wanted or _hash(place) in wanted):
                 return place
@@ -161,7 +162,7 @@ class _Search:
         raise InputError(
             f"no such file; {self.name} was made from it",
             file=first,
-            remedy=f"put it back, or make {_base(self.name)} again with hf {self.command}",
+            remedy=f"put it back, or make {os.path.basename(self.name)} again with hf {self.command}",
         )
 
     def _kept(self, wanted: set[str]) -> str:
@@ -176,10 +177,6 @@ class _Search:
             key="provenance.arguments",
             remedy=f"keep that document in a file and run hf {self.command} on it",
         )
-
-
-def _base(name: str) -> str:
-    return os.path.basename(name)
 
 
 def _hash(place: str) -> str:
