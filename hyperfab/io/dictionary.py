@@ -55,6 +55,7 @@ def plain(text: str) -> str:
     return " ".join("".join(mark if mark.isalnum() else " " for mark in kept).split())
 
 
+@cache
 def words(text: str) -> frozenset[str]:
     """Return the phrases of a list that semicolons part, as they are looked up."""
     return frozenset(plain(one) for one in text.split(";")) - {""}
@@ -111,12 +112,7 @@ def measured(name: str, title: str) -> str:
 
 def is_filler(word: str) -> bool:
     """Whether a word beside the name of a channel changes nothing."""
-    return word in _fillers() or _CHANNEL.fullmatch(word) is not None
-
-
-@cache
-def _fillers() -> frozenset[str]:
-    return words(heading_words.FILLERS)
+    return word in words(heading_words.FILLERS) or _CHANNEL.fullmatch(word) is not None
 
 
 @cache
@@ -184,12 +180,7 @@ def is_closing(text: str) -> bool:
     """Whether a cell begins a row of means or the like."""
     label = plain(text)
     core = " ".join(word for word in label.split() if not word.isdigit())
-    return label in _closing() or core in _closing()
-
-
-@cache
-def _closing() -> frozenset[str]:
-    return words(heading_words.CLOSING)
+    return not words(heading_words.CLOSING).isdisjoint((label, core))
 
 
 def without_brackets(label: str) -> str:

@@ -19,7 +19,7 @@ from hyperfab.io.dictionary import plain, word_for
 from hyperfab.io.headings import Heading, is_of
 from hyperfab.io.kinds_of_tests import names_of
 from hyperfab.io.role_words import no_unit
-from hyperfab.io.roles import Roles
+from hyperfab.io.roles import Column, Roles
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
 
@@ -235,10 +235,13 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> 
             file=sheet.name,
             line=sheet.lines[int(wrong[0])],
             column="cycle",
-            remedy="number the cycles 1, 2, 3"
-            + (f", or say {sheet.option([(column.heading.title, 'aside')])}" if column else ""),
+            remedy="number the cycles 1, 2, 3" + _or_aside(sheet, column),
         )
     return values.astype(np.int64)
+
+
+def _or_aside(sheet: CsvSheet, column: Column | None) -> str:
+    return f", or say {sheet.option([(column.heading.title, 'aside')])}" if column else ""
 
 
 def _branches(sheet: CsvSheet, columns: Roles) -> Ints | None:
@@ -251,14 +254,12 @@ def _branches(sheet: CsvSheet, columns: Roles) -> Ints | None:
             continue
         side = word_for(text or "", "BRANCHES")
         if side is None:
-            column = columns.columns.get("branch")
             raise InputError(
                 f"{text or 'an empty cell'} is no branch",
                 file=sheet.name,
                 line=line,
                 column="branch",
-                remedy="write load or unload"
-                + (f", or say {sheet.option([(column.heading.title, 'aside')])}" if column else ""),
+                remedy="write load or unload" + _or_aside(sheet, columns.columns.get("branch")),
             )
         known[text] = _SIDES[side]
     return np.array([known[text] for text in texts], dtype=np.int64)
