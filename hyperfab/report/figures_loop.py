@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from hyperfab.arrays import Array
-from hyperfab.report.labels import AFTER, BEFORE, DATA, png, title, value_names
+from hyperfab.report.labels import AFTER, BEFORE, DATA, PLACES, png, title, value_names
 
 _MOST_PANELS, _MOST_STATES, _MOST_ENTRIES = 12, 5, 10
 #: A state of no more values than this is shown value by value, under its own names.
@@ -31,8 +31,6 @@ _READINGS = {
     "degC": "temperature",
     "mm": "place",
 }
-#: States that say where on a sheet or mold a reading was taken.
-PLACES = (("x0_mm", "y0_mm"), ("x_mm", "y_mm"))
 #: States that tell tests apart, in the order they are named, and what they may wander by within a test; one that moves
 #: more does not.
 _TELL = {"mode": 0.0, "direction_deg": 1.0, "temperature_degC": 2.0, "probe": 0.0}

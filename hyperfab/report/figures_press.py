@@ -66,15 +66,20 @@ def spotting_drawing(
     return figure
 
 
+def _from_above(mold: SpottedMold | FormedMold) -> Any:
+    """Return the mold's facets in plan, those that lie higher drawn later."""
+    from matplotlib.tri import Triangulation
+
+    order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
+    return Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
+
+
 def _plan(figure: Any, axes: Any, mold: SpottedMold) -> None:
     """The mold from above: shaded steel, and where it touches its pressure alone, unshaded, over the range it has."""
     from matplotlib.colors import LinearSegmentedColormap, Normalize
-    from matplotlib.tri import Triangulation
 
-    # What lies higher is drawn later.
-    order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
     shade = 0.55 + 0.45 * np.clip(mold.normals @ (_LIGHT / np.linalg.norm(_LIGHT)), 0.0, 1.0)
-    plane = Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
+    plane = _from_above(mold)
     axes.tripcolor(
         plane, shade, shading="gouraud", cmap=LinearSegmentedColormap.from_list("steel", [(0.1, 0.1, 0.1), _STEEL]),
         norm=Normalize(0.0, 1.0),
@@ -149,7 +154,6 @@ class FormedMold:
 def formed_map(mold: FormedMold, title: str) -> bytes:
     """Return a PNG: the formed thickness seen along the closing axis, and what it misses the wanted one by."""
     from matplotlib.figure import Figure
-    from matplotlib.tri import Triangulation
 
     shown: list[tuple[str, Array, str, float | None]] = [("formed thickness [mm]", mold.thickness, "viridis", None)]
     used = np.unique(mold.faces)
@@ -157,8 +161,7 @@ def formed_map(mold: FormedMold, title: str) -> bytes:
         farthest = max(float(np.abs(mold.off[used]).max()), 1e-6)
         shown.append(("formed less wanted [mm]", mold.off, "RdBu_r", farthest))
     figure = Figure(figsize=(5.8 * len(shown), 5.2), dpi=110, layout="constrained")
-    order = np.argsort(mold.vertices[mold.faces, 2].mean(axis=1), kind="stable")
-    plan = Triangulation(mold.vertices[:, 0], mold.vertices[:, 1], mold.faces[order])
+    plan = _from_above(mold)
     for axes, (label, values, colours, most) in zip(
         figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True
     ):

@@ -27,6 +27,8 @@ _WORDS = {
     "direction_deg": "direction, ° from warp",
     "from the middle_mm": "distance from the middle, mm",
 }
+#: States that say where on a sheet or mold a reading was taken.
+PLACES = (("x0_mm", "y0_mm"), ("x_mm", "y_mm"))
 #: What a number stands for where it numbers things.
 _VALUES = {
     "branch": {-1: "unloading", 0: "not stated", 1: "loading"},

@@ -270,6 +270,11 @@ def floats(cells: Sequence[str]) -> list[float | None]:
     return found
 
 
+def minutes(cells: Sequence[str]) -> list[float | None]:
+    """Return cells of seconds as minutes."""
+    return [None if value is None else value / 60 for value in floats(cells)]
+
+
 def parents(source: Source, sources: Sequence[Source]) -> list[Source]:
     """Return the documents among ``sources`` that ``source`` was made from."""
     provenance = source.data.get("provenance") or {}

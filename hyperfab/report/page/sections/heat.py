@@ -19,6 +19,7 @@ from hyperfab.report.page.parts import (
     facts,
     floats,
     known,
+    minutes,
     number,
     percent,
     warmup_cell,
@@ -80,7 +81,7 @@ def section(source: Source) -> Section:
     table = columns(source.sibling(".csv", but=".history.csv"), source.name)
     if "time_s" in table:
         step = -(-len(table["time_s"]) // MAX_ROWS)
-        time = [None if value is None else value / 60 for value in floats(table["time_s"])][::step]
+        time = minutes(table["time_s"])[::step]
         traces = [
             line(name.removesuffix("_degC"), time, floats(cells)[::step], colour)
             for colour, (name, cells) in enumerate((n, c) for n, c in table.items() if n.endswith("_degC"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from hyperfab.report.labels import AFTER, BEFORE, DATA, parted, title
+from hyperfab.report.labels import AFTER, BEFORE, DATA, PLACES, parted, title
 from hyperfab.report.page.charts import chart, dots, line
 from hyperfab.report.page.parts import (
     Figure,
@@ -15,6 +15,7 @@ from hyperfab.report.page.parts import (
     Table,
     columns,
     floats,
+    minutes,
     number,
     percent,
     word,
@@ -139,7 +140,7 @@ Series = dict[str, list[float | None]]
 
 
 def _of_probes(table: dict[str, list[str]]) -> list[Series]:
-    time = [None if value is None else value / 60 for value in floats(table["time_s"])]
+    time = minutes(table["time_s"])
     found = []
     for name in table:
         if name.endswith("_measured_degC"):
@@ -188,7 +189,7 @@ def _joined(series: list[Series], kind: str) -> tuple[list[float | None], list[f
 
 def _maps(table: dict[str, list[str]], data: Any) -> list[Part]:
     """Return what is left at each place, before and after side by side on one scale."""
-    pair = next((pair for pair in (("x0_mm", "y0_mm"), ("x_mm", "y_mm")) if set(pair) <= set(table)), None)
+    pair = next((pair for pair in PLACES if set(pair) <= set(table)), None)
     kinds = _quantity(table)
     if pair is None or not kinds:
         return []
