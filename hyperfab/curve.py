@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -70,6 +70,10 @@ class TestCurve:
         }
         return replace(self, **columns)
 
+    def is_at(self, temperature: float | None) -> bool:
+        """Whether it was measured at a temperature, or nothing says at which."""
+        return self.temperature in (temperature, None)
+
     def thinned(self, count: int) -> Self:
         """Return about ``count`` of the rows, evenly."""
         if len(self.stretch) <= count:
@@ -123,6 +127,11 @@ class TestCurve:
     def stress_unit(self) -> str:
         """``MPa``, or ``N/mm`` for membrane stress."""
         return "N/mm" if self.membrane else "MPa"
+
+
+def largest_stress(curves: Iterable[TestCurve]) -> float:
+    """Return the largest absolute stress of all ``curves``."""
+    return max(float(np.abs(curve.stress).max()) for curve in curves)
 
 
 def sheared(strain: Array) -> Array:

@@ -94,8 +94,7 @@ def linear(value: float, effects: Array, sources: Sequence[Source]) -> Band:
     >>> round(band.sd, 3), round(band.low, 3), band.budget
     (0.5, 7.849, (('C10', 1.0),))
     """
-    owners = np.array([number for number, _ in directions(sources)], dtype=int)
-    variance = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
+    variance = _by_source(effects, sources)
     sd = float(np.sqrt(variance.sum()))
     half = _coverage(effects, sources) * sd
     return Band(sd, value - half, value + half, _budget(variance, sources))
@@ -127,12 +126,11 @@ def sampled(value: float, outcomes: Array, drawn: Array, sources: Sequence[Sourc
     The interval is between percentiles of the outcomes, moved apart from the value where few degrees of freedom ask for
     it; a source's share is that of the variance which goes linearly with it, and what goes with none is "together".
     """
-    owners = np.array([number for number, _ in directions(sources)], dtype=int)
     sd = float(np.std(outcomes, ddof=1))
     away = outcomes - outcomes.mean()
     effects, *_ = np.linalg.lstsq(drawn - drawn.mean(axis=0), away, rcond=None)
     wider = _coverage(effects, sources) / _coverage(np.zeros_like(effects), sources)
-    explained = np.bincount(owners, weights=effects**2, minlength=len(sources)).astype(np.float64)
+    explained = _by_source(effects, sources)
     # By chance an outcome that hangs on nothing goes a little with everything.
     explained *= min(1.0, sd**2 / max(explained.sum(), 1e-300))
     low, high = np.quantile(outcomes, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL])
@@ -273,6 +271,12 @@ def _coverage(effects: Array, sources: Sequence[Source]) -> float:
     if below <= 0.0:
         return float(ndtri(0.5 + 0.5 * LEVEL))
     return float(stdtrit(sum(variance) ** 2 / below, 0.5 + 0.5 * LEVEL))
+
+
+def _by_source(effects: Array, sources: Sequence[Source]) -> Array:
+    """Return the variance that goes along each source's directions."""
+    owners = [number for number, _ in directions(sources)]
+    return np.bincount(np.array(owners, dtype=int), weights=effects**2, minlength=len(sources)).astype(np.float64)
 
 
 def _budget(variance: Array, sources: Sequence[Source], rest: float = 0.0) -> tuple[tuple[str, float], ...]:

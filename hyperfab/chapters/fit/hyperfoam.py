@@ -15,7 +15,7 @@ from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_o
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
@@ -127,7 +127,7 @@ class FoamFit(WholeFit[Hyperfoam]):
         the law's temperature, and by which share of its peak it was levelled; None where a law has it."""
         if self.flat is None:
             return None
-        own = [c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[self.reference], None)]
+        own = [c for c in self.setting.used(self.curves) if c.is_at(self.temperatures[self.reference])]
         mode = self.flat.mode if any(c.mode == self.flat.mode for c in own) else own[0].mode
         strain, stress, levelled = table_of(own, mode)
         rows = [(0.0, 0.0), *zip(strain.tolist(), stress.tolist(), strict=True)]
@@ -205,7 +205,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
     Errors count by their share of the test's largest stress, compression and tension each by its own: a foam's first
     stiffness says little of its plateau, and a ratio to it less. Every test counts the same however many rows it has.
     """
-    own = [curve for curve in curves if curve.temperature in (temperature, None)]
+    own = [curve for curve in curves if curve.is_at(temperature)]
     split = [
         part for c in own for side in ("compression", "tension") for part in _side([c], side) if c.mode == "uniaxial"
     ]
@@ -214,7 +214,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
     for curve in split:
         alike = [other for other in split if _kind(other) == _kind(curve)]
         share = 1.0 / np.sqrt(sum(len(other.stretch) for other in alike))
-        weight = np.full(len(curve.stretch), 1.0 / max(float(np.abs(other.stress).max()) for other in alike))
+        weight = np.full(len(curve.stretch), 1.0 / largest_stress(alike))
         widest = 0.0 if curve.contraction is None else float(np.abs(curve.contraction - 1.0).max())
         weight2 = np.full(len(weight), float(share) / max(widest, 1e-3))
         weighed = replace(curve, weight=weight * share, weight2=weight2)

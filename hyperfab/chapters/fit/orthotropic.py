@@ -24,7 +24,7 @@ from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.look import named
-from hyperfab.curve import TestCurve, angle_named
+from hyperfab.curve import TestCurve, angle_named, largest_stress
 from hyperfab.documents.material import (
     Direction,
     FitFigures,
@@ -132,7 +132,7 @@ class SheetFit(WholeFit[Orthotropic]):
         return figures
 
     def _fitted_at(self, number: int) -> list[TestCurve]:
-        return [c for c in self.setting.used(self.curves) if c.temperature in (self.temperatures[number], None)]
+        return [c for c in self.setting.used(self.curves) if c.is_at(self.temperatures[number])]
 
     def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
         """Note how sure the constants at one of the temperatures are."""
@@ -208,7 +208,7 @@ class SheetFit(WholeFit[Orthotropic]):
             lines = []
             for mode in _MODES:
                 for temperature in self.temperatures:
-                    curves = [c for c in own if c.mode == mode and c.temperature in (temperature, None)]
+                    curves = [c for c in own if c.mode == mode and c.is_at(temperature)]
                     if not curves:
                         continue
                     grid = grid_of(curves, 101, 1.0)
@@ -283,7 +283,7 @@ def _certainty(found: Found, curves: Sequence[TestCurve], turned: bool) -> Certa
 
 
 def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Setting) -> list[TestCurve]:
-    own = [curve for curve in curves if curve.temperature in (temperature, None)]
+    own = [curve for curve in curves if curve.is_at(temperature)]
     found = []
     for curve in own:
         alike = [other for other in own if (other.mode, other.direction_name) == (curve.mode, curve.direction_name)]
@@ -302,7 +302,7 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Sett
 
 def _weight(curve: TestCurve, stress: Array, setting: Setting, alike: Sequence[TestCurve]) -> Array:
     """Return one over the error that counts as one [1/MPa]."""
-    peak = max(float(np.abs(other.stress).max()) for other in alike)
+    peak = largest_stress(alike)
     sd = deviation(curve, setting.noise)
     if not setting.relative:
         return np.full(len(stress), 1.0 / peak) if sd is None else np.ones_like(stress) / sd

@@ -68,7 +68,7 @@ def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
         lines: dict[bool, list[Line]] = {}
         for mode in dict.fromkeys(curve.mode for curve in sets[name]):
             for number, temperature in enumerate(part.temperatures):
-                curves = [c for c in sets[name] if c.mode == mode and c.temperature in (temperature, None)]
+                curves = [c for c in sets[name] if c.mode == mode and c.is_at(temperature)]
                 sheared = mode == SIMPLE_SHEAR
                 if not curves:
                     continue

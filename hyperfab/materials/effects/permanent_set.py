@@ -48,12 +48,18 @@ def crept(path: Path, values: Array) -> Array:
     far, over that strain pulled; it grows with the cycles. Evolution of Armstrong & Frederick (1966), CEGB RD/B/N 731.
     """
     share, strain = values
-    first = list(path.starts[:-1])
-    pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
-    pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
+    first, pulled = _pulled(path)
     keep = np.exp(-pulled / strain)
     keep[first] = 0.0
     return along(keep, (1.0 - np.exp(-pulled / strain)) * share * (path.peak - 1.0))
+
+
+def _pulled(path: Path) -> tuple[list[int], Array]:
+    """Return each pull's first row, and by how much each row is pulled further than the one before."""
+    first = list(path.starts[:-1])
+    pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
+    pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
+    return first, pulled
 
 
 def pulls(path: Path, stretch: Array) -> Array:
@@ -78,9 +84,7 @@ def crept_smoothly(
     the same strain. The set is so many ``times`` that function.
     """
     reach, strain, time = values[:3]
-    first = list(path.starts[:-1])
-    pulled = np.maximum(np.diff(path.stretch, prepend=1.0), 0.0)
-    pulled[first] = np.maximum(path.stretch[first] - 1.0, 0.0)
+    first, pulled = _pulled(path)
     passed = pulled / strain + (path.waited / time if path.knows_time else 0.0)
     keep = np.exp(-passed)
     keep[first] = 0.0

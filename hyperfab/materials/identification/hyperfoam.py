@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, Rows
 from hyperfab.materials.identification.linear import least_in_box
 
@@ -66,7 +66,7 @@ class _Sought:
     @cached_property
     def scale(self) -> float:
         """The largest stress [MPa]."""
-        return max(float(np.abs(one.stress).max()) for one in self.tests)
+        return largest_stress(self.tests)
 
     @cached_property
     def rows(self) -> list[Rows]:

@@ -47,6 +47,16 @@ def project(A: Array, b: Array) -> Projection:
     return Projection(c / length, residual, np.einsum("...i,...i->...", residual, residual), Q)
 
 
+def lengths(A: Array) -> Array:
+    """Return the lengths of the columns of a matrix, 1 where there is nothing in one.
+
+    >>> lengths(np.array([[3.0, 0.0], [4.0, 0.0]]))
+    array([5., 1.])
+    """
+    length = np.sqrt((A * A).sum(axis=0))
+    return np.where(length > 0.0, length, 1.0)
+
+
 def least_norm(A: Array, b: Array) -> Array:
     """Solve min |b - A c|; where columns are copies of each other, share the constants evenly among them.
 
@@ -54,8 +64,7 @@ def least_norm(A: Array, b: Array) -> Array:
     array([1., 1.])
     """
     found = project(A, b)
-    length = np.sqrt((A * A).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(A)
     s = np.linalg.svd(A / length, compute_uv=False)
     if s[-1] > 1e-13 * s[0]:
         return found.c
@@ -70,8 +79,7 @@ def nonnegative(A: Array, b: Array) -> Array:
     """
     from scipy.optimize import nnls  # half a fit's time to load: only constants held stable need it
 
-    length = np.sqrt((A * A).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(A)
     return np.asarray(nnls(A / length, b, maxiter=100 * A.shape[1])[0] / length)
 
 

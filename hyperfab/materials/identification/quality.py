@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
+from hyperfab.materials.identification.linear import lengths
 from hyperfab.materials.identification.scatter import Scatter, Weighed, by_readings, by_specimen
 from hyperfab.materials.law import Array
 
@@ -108,8 +109,7 @@ def sure_of(
     weighted equations the standard ``deviation`` (rows,), where it is stated."""
     J = fit.jacobian
     rows, count = J.shape
-    length = np.sqrt((J * J).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(J)
     U, s, Vt = np.linalg.svd(J / length, full_matrices=False)
     kept = s > 1e-14 * s[0] if len(s) else s > 0
     inverse = np.where(kept, 1.0 / np.where(kept, s, 1.0), 0.0)

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import ndtri, stdtr, stdtrit
 
 from hyperfab.arrays import Flags, Ints
+from hyperfab.materials.identification.linear import lengths
 from hyperfab.materials.law import Array
 
 #: Where intervals are to cover: both tails of 95 %.
@@ -131,8 +132,7 @@ def by_specimen(
     constants, the covariance is widened so that each constant's interval has its own degrees of freedom.
     """
     J, curve = fit.jacobian, fit.curve
-    length = np.sqrt((J * J).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(J)
     U, s, Vt = np.linalg.svd(J / length, full_matrices=False)
     kept = s > 1e-14 * s[0]
     # What a residual of one in a row does to each constant.

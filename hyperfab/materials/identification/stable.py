@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.materials.identification.design import Problem
-from hyperfab.materials.identification.linear import least_norm, nonnegative
+from hyperfab.materials.identification.linear import least_norm, lengths, nonnegative
 from hyperfab.materials.identification.search import box_points, scan
 from hyperfab.materials.law import Array, Sheet
 from hyperfab.materials.modes import second_stretch
@@ -178,8 +178,7 @@ def constrained(A: Array, b: Array, G: Array, least: float = 0.0) -> Array | Non
     >>> constrained(np.eye(2), np.array([1.0, -1.0]), np.array([[0.0, 1.0]])).round(12) + 0.0
     array([1., 0.])
     """
-    length = np.sqrt((A * A).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(A)
     Q, R = np.linalg.qr(A / length)
     if np.abs(np.diag(R)).min() < _ALIKE:
         # What the rows cannot tell apart, as I1 and I2 in planar tension, is taken small.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hyperfab.materials.identification.fit import Fit
+from hyperfab.materials.identification.linear import lengths
 from hyperfab.materials.law import Array, Sheet
 from hyperfab.materials.material import Material
 from hyperfab.materials.modes import MODES, nominal_stress, second_stretch
@@ -106,8 +107,7 @@ def _spread(fit: Fit, fitted: str, x: Array) -> Array:
     rows, count = J.shape
     if rows <= count:
         return np.full(1, np.inf)
-    length = np.sqrt((J * J).sum(axis=0))
-    length = np.where(length > 0.0, length, 1.0)
+    length = lengths(J)
     _, s, Vt = np.linalg.svd(J / length, full_matrices=False)
     noise = np.sqrt(fit.sse / (rows - count))
     size = _size(fit)

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve
+from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.errors import InputError
 from hyperfab.materials.identification.linear import least_in_box
 from hyperfab.materials.identification.scatter import Weighed
@@ -120,7 +120,7 @@ class _Free:
 
     @property
     def stress_scale(self) -> float:
-        return max(float(np.abs(test.stress).max()) for test in self.tests)
+        return largest_stress(self.tests)
 
     @property
     def reach(self) -> float:
