@@ -147,6 +147,16 @@ def stated_kind(loaded: object) -> str:
     return str(found).removeprefix("hyperfab.").split("/")[0]
 
 
+def told_format(found: object) -> tuple[str, int] | None:
+    """Return the kind and version of ``format``, None where it is no format of hf.
+
+    >>> told_format("hyperfab.drape/1"), told_format("drape")
+    (('drape', 1), None)
+    """
+    match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
+    return None if match is None else (match[1], int(match[2]))
+
+
 def schema(kind: str) -> dict[str, Any]:
     """Return the JSON Schema of a kind of document."""
     cls = document_class(kind)
@@ -182,15 +192,15 @@ def parse_document(loaded: object, name: str, cls: type[DocumentT]) -> DocumentT
 def check_format(found: object, name: str, cls: type[Document]) -> None:
     """Refuse another kind, or a version that this program does not know, by name."""
     wanted = cls.format_name()
-    match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
-    if match is None:
+    told = told_format(found)
+    if told is None:
         raise InputError(
             "does not say what it is" if found is None else f"unknown format {_short(found)}",
             file=name,
             key="format",
             remedy=f'a {cls.KIND} document has "format": "{wanted}"',
         )
-    kind, version = match[1], int(match[2])
+    kind, version = told
     if kind != cls.KIND:
         raise InputError(
             f"is a {kind} document, a {cls.KIND} document is needed",

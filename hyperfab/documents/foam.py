@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, Wi
 from hyperfab.documents.base import HandWritten, MisfitError, OrShort, Section, optional
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
+    TABLE_FILE,
     ConstantConductivity,
     ConstantSpecificHeat,
     ContactConductance,
@@ -172,7 +173,7 @@ class Shrinkage(Section):
             {
                 "anyOf": [
                     {"type": "number", "minimum": 0, "maximum": 0.9},
-                    {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
+                    TABLE_FILE,
                 ],
                 "description": "share of the thickness, or a table: temperature [degC], shrinkage [-]",
             }

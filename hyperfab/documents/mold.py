@@ -276,6 +276,11 @@ class MoldDocument(HandWritten):
         bodies = [*self.part, *self.cavity]
         return [one.stl for body in bodies for one in (body, *(body.shapes or ())) if one.stl is not None]
 
+    def names(self) -> list[str]:
+        """Return the names of all bodies, and of the shapes that have one."""
+        bodies: list[BodySection] = [*self.part, *self.cavity]
+        return [b.name for b in bodies] + [s.name for b in bodies for s in b.shapes or [] if s.name]
+
     def places(self) -> list[tuple[str, Place]]:
         """Return every place a section acts on, with the section's key."""
         kinds: dict[str, Sequence[HasPlaces]] = {
@@ -305,8 +310,7 @@ class MoldDocument(HandWritten):
                     f"part.{number}.material",
                     f"part {part.name!r} is of {part.material!r}, which is no [material]; there is {known}",
                 )
-        bodies: list[BodySection] = [*self.part, *self.cavity]
-        names = [b.name for b in bodies] + [s.name for b in bodies for s in b.shapes or [] if s.name]
+        names = self.names()
         for name in names:
             if names.count(name) > 1:
                 raise MisfitError("name", f"the name {name!r} stands for two bodies or shapes; rename one")

@@ -54,6 +54,10 @@ class TableFile(Section):
     table: str
 
 
+#: What the schema says of it.
+TABLE_FILE = {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]}
+
+
 def _value_or_table(
     kind: str,
     least: float | None = None,
@@ -81,7 +85,7 @@ def _value_or_table(
         "description": said or f"a {kind.replace('-', ' ')} with its unit, or a table",
         "anyOf": [
             {"type": "string", "examples": [example or KINDS[kind].example]},
-            {"type": "object", "properties": {"table": {"type": "string"}}, "required": ["table"]},
+            TABLE_FILE,
         ],
     }
     return Annotated[

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
+from hyperfab.documents.base import told_format
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
@@ -61,13 +61,12 @@ def kind_of(job: Job, name: str) -> tuple[str, Mapping[str, Any]]:
     data = job.inputs.plain(name)
     if not isinstance(data, Mapping):
         raise InputError("is not a document: its top level is not an object", file=name)
-    found = data.get("format")
-    match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
-    if match is None:
+    told = told_format(data.get("format"))
+    if told is None:
         raise InputError(
             "does not say what it is",
             file=name,
             key="format",
             remedy='a model has "format": "hyperfab.material/1", or is a mold.toml, contact, drape or press document',
         )
-    return match[1], data
+    return told[0], data

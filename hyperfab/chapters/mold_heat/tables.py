@@ -82,8 +82,7 @@ WAYS = ("x-", "x+", "y-", "y+", "z-", "z+", "all")
 
 def refuse_unknown_names(document: MoldDocument, file: str) -> None:
     """Raise InputError with the nearest names where a place names no body of the document ``file``."""
-    bodies = [*document.part, *document.cavity]
-    known = [b.name for b in bodies] + [s.name for b in bodies for s in b.shapes or [] if s.name]
+    known = document.names()
     parts = [part.name for part in document.part]
     for key, place in document.places():
         if isinstance(place, FacesInBox):
