@@ -46,10 +46,11 @@ def run(job: Job, case: ExportCase) -> int:
     law = fabric.law(None if turned else direction)
     if isinstance(law, Orthotropic) and turned and direction == "weft":
         law = law.turned()
-    _check_volume(job, case, source, law)
+    bulk = case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa
+    _check_volume(job, case, source, law, bulk)
     settings = Settings(
         name=case.name,
-        bulk_modulus=case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa,
+        bulk_modulus=bulk,
         density=case.density * 1e-12,
         comments=_comments(fabric, law, direction),
     )
@@ -62,7 +63,7 @@ def run(job: Job, case: ExportCase) -> int:
     return 0
 
 
-def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law) -> None:
+def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law, bulk: float | None) -> None:
     """Refuse a bulk modulus, or say that one is left aside, where the law itself tells how the volume changes.
 
     Say also where one is so small that what is pulled widens.
@@ -70,7 +71,6 @@ def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law
     if isinstance(law, Orthotropic):
         return
     if isinstance(law, Material) and float(law.law.contraction(law.theta)) >= 0.5:
-        bulk = case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa
         if bulk is not None and (nu := poisson(law, bulk)) < 0.0:
             job.console.warn(
                 f"a bulk modulus of {bulk:.4g} MPa is below two thirds of the shear modulus: Poisson's ratio is "

@@ -149,12 +149,16 @@ class Sheet:
 
         if effects[3] > 0.0:
             most = given.copy()
-            settings = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (count, 1))
             for _ in range(_ROUNDS):
-                settings[:, -1] = asked(given)
-                pull = scale * np.diagonal(self.emulator(settings)[:, count:])
+                pull = scale * np.diagonal(self._at(own, effects, asked(given))[:, count:])
                 given = most * np.maximum(1.0 - effects[3] / np.maximum(pull, 1e-12), 0.0)
         return asked(given)
+
+    def _at(self, own: Array, effects: Array, slips: Array) -> Array:
+        """Return what the emulator says, a row for each of ``slips``."""
+        settings = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (len(slips), 1))
+        settings[:, -1] = slips
+        return self.emulator(settings)
 
     def _spline(self, own: Array, effects: Array, soft: float) -> CubicSpline:
         """Force over depth: smooth, and finite at the first touch of a sheet under tension."""
@@ -163,9 +167,7 @@ class Sheet:
             settings = np.array([*self.ratios(own), effects[0], effects[1], slips[0]])
             stiffness = self.emulator(settings)[:count]
         else:
-            rows = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (count, 1))
-            rows[:, -1] = slips
-            stiffness = np.diagonal(self.emulator(rows)[:, :count])
+            stiffness = np.diagonal(self._at(own, effects, slips)[:, :count])
         return CubicSpline(self.knots, stiffness * self.correction * self.scale(own))
 
 

@@ -17,6 +17,7 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
 from hyperfab.thermal.geometry import Body, Geometry, Stl
+from hyperfab.thermal.mesh import EDGES
 from hyperfab.thermal.mesher import RawMesh, mesh_surface
 
 #: Rounds of refinement where the new surface strays, and the longest edges tried first, as shares of mesh_size: the
@@ -34,8 +35,6 @@ HARDER = 0.7
 PIECES = 4
 #: A node is not moved where an element would fall below this share of its volume.
 LEAST_VOLUME = 0.3
-
-_EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,7 @@ def _volumes(points: Array, elements: Ints) -> Array:
 
 def _edge_nodes(raw: RawMesh) -> tuple[Ints, Ints]:
     """Return the ends (e, 2), sorted, and the middle nodes (e,) of all edges."""
-    ends = np.sort(raw.elements[:, _EDGES].reshape(-1, 2), axis=1)
+    ends = np.sort(raw.elements[:, EDGES].reshape(-1, 2), axis=1)
     middles, first = np.unique(raw.elements[:, 4:].ravel(), return_index=True)
     return ends[first], middles
 

@@ -15,6 +15,7 @@ from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import TOGETHER
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.uncertainty.changed import Changed
+from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -87,9 +88,10 @@ class DrapeChain:
 
         return predict
 
-    def _moved(self, numbers: Sequence[Moved], change: Array) -> tuple[Array, dict[str, float]]:
+    def _moved(self, numbers: Sequence[Number], change: Array) -> tuple[Array, dict[str, float]]:
         """Return the loop's own constants, and what is added to the emulator's settings."""
-        by = {one.name: float(v) / one.size for one, v in zip(numbers, change, strict=True)}
+        moved = [(one, float(v)) for one, v in zip(numbers, change, strict=True) if isinstance(one, Moved)]
+        by = {one.name: v / one.size for one, v in moved}
         own = np.array([one.value + by.pop(one.name, 0.0) for one in self.problem.own])
         return own, by
 
@@ -98,8 +100,7 @@ class DrapeChain:
 
     def corrected(self, link: Link, change: Array) -> Corrected:
         """Return the drape with a chapter's constants changed."""
-        numbers = [one for one in link.numbers if isinstance(one, Moved)]
-        own, amounts = self._moved(numbers, change)
+        own, amounts = self._moved(link.numbers, change)
         case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
         material = self.forward.material
         if material is None or link.name != "fabric":
@@ -110,8 +111,7 @@ class DrapeChain:
 
     def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Markers]) -> Array:
         """Return where the markers are, draped anew on the whole grid (n,)."""
-        numbers = [one for one in link.numbers if isinstance(one, Moved)]
-        own, amounts = self._moved(numbers, change)
+        own, amounts = self._moved(link.numbers, change)
         draped, sheet = self.problem.draped, self.forward.sheet
         nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
         there = replace(draped, base=nodes, finer=())

@@ -33,8 +33,7 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
     """Return the document of a warm-up."""
     energy = energy_of(history)
     imbalance, reached = energy.imbalance_relative, history.reached
-    converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
-    result = _common(problem, history, energy, converged)
+    result = _common(problem, history, energy)
     result.steps = len(history.states) - 1
     result.rejected_steps = history.rejected
     result.residual_max_K = history.residual
@@ -54,7 +53,7 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
             error_bound_K=told.error,
             taken_back=told.returns,
         )
-    result.status = _status(converged, imbalance, document, result)
+    result.status = _status(imbalance, document, result)
     result.probes = probes_of(problem, history)
     result.efficiency = efficiency_of(energy)
     if problem.pieces is not None:
@@ -94,14 +93,13 @@ def steady_document(problem: Problem, history: History) -> HeatDocument:
     turned = max(sum(abs(power) for power in powers.values()), LEAST_CHANGE * conductance)
     imbalance = abs(sum(powers.values())) / turned if turned else 0.0
     energy = Energy(stored_J=float((last.stored - first.stored).sum()), imbalance_relative=imbalance)
-    converged = bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED)
-    result = _common(problem, history, energy, converged)
+    result = _common(problem, history, energy)
     result.steady = True
     # A temperature is held by whatever gives the heat for it: where nothing else changes, that is a supply.
     held = {condition.name for condition in problem.model.prescribed if powers[condition.name] > 0.0}
     result.power_supplied_W = (result.power_supplied_W or 0.0) + sum(powers[name] for name in sorted(held))
     result.power_lost_W = {name: lost for name, lost in result.power_lost_W.items() if name not in held}
-    if not converged:
+    if not result.converged:
         result.status = f"heat in and out differ by {imbalance:.2g}"
     result.probes = {
         name: ProbeResult(final_degC=dot(sensor, last.temperature), max_degC=dot(sensor, last.temperature))
@@ -110,15 +108,16 @@ def steady_document(problem: Problem, history: History) -> HeatDocument:
     return result
 
 
-def _common(problem: Problem, history: History, energy: Energy, converged: bool) -> HeatDocument:
+def _common(problem: Problem, history: History, energy: Energy) -> HeatDocument:
     model, last = problem.model, history.states[-1]
     solid = last.temperature[: problem.mesh.solid]
     masses = model.medium.masses
     parts = [part.name for part in problem.geometry.parts]
     powers, heaters = _powers(problem, last), {heater.name for heater in model.heaters}
     flux = np.linalg.norm(model.medium.flux(last.temperature), axis=1)
+    imbalance = energy.imbalance_relative
     result = HeatDocument(
-        converged=converged,
+        converged=bool(np.isfinite(imbalance) and imbalance <= IMBALANCE_ALLOWED),
         steps=0,
         unknowns=int(model.free.sum()),
         elements=len(problem.mesh.elements),
@@ -163,8 +162,8 @@ def _powers(problem: Problem, state: Past) -> dict[str, float]:
     return powers
 
 
-def _status(converged: bool, imbalance: float, document: MoldDocument, result: HeatDocument) -> str | None:
-    if not converged:
+def _status(imbalance: float, document: MoldDocument, result: HeatDocument) -> str | None:
+    if not result.converged:
         return f"the account of heat is off by {imbalance:.2g}, more than {IMBALANCE_ALLOWED:g}"
     if result.target_reached is False:
         mean = result.work_surface.mean_degC if result.work_surface else float("nan")
