@@ -193,7 +193,7 @@ class FabricDocument:
             ) from None
 
 
-def read_fabric_document(job: Job, name: str, asked: float | None = None) -> FabricDocument:
+def read_fabric_document(job: Job, name: str, asked: float | None) -> FabricDocument:
     """Read a material document for use at a temperature [degC], or at that of its own constants."""
     document = read_document(job.inputs, name, MaterialDocument)
     tentative = [str(one.get("id", "?")) for one in document.effects or [] if one.get("tentative")]

@@ -31,7 +31,7 @@ SHOWN = 4
 COLDEST, HOTTEST = -60.0, 400.0
 
 
-def remarks(tests: Sequence[TestData], silent: Collection[str] = ()) -> list[str]:
+def remarks(tests: Sequence[TestData], silent: Collection[str]) -> list[str]:
     """Return one remark a kind of oddity, gravest first, over all ``tests``; kinds in ``silent`` are settled.
 
     The kinds are those of ``hyperfab.numerics.doubt.Doubt``, and ``twin``: the same readings in two files; first of all

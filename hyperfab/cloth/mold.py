@@ -84,7 +84,7 @@ def raised(mold: Mold, height: float) -> Mold:
     )
 
 
-def creases_of(surface: Surface, shift: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Creases:
+def creases_of(surface: Surface, shift: tuple[float, float, float]) -> Creases:
     """Sharp convex edges of ``surface`` moved by ``shift`` mm."""
     face, edge = np.nonzero(surface.edge_turn > SHARP)
     other = surface.twins[face, edge]

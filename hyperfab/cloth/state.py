@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from hyperfab.arrays import Array, Ints
@@ -61,5 +61,5 @@ class Equilibrium:
     bent_length: Array  # (k,) mm
     bent_at: Array  # (k, 3) mm, where they run over the edge
     push: Array  # (3,) N, of the sharp edges on the springs laid over them
-    status: str = ""
-    history: list[Step] = field(default_factory=list)
+    status: str
+    history: list[Step]

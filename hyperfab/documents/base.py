@@ -219,9 +219,7 @@ def check_format(found: object, name: str, cls: type[Document]) -> None:
         )
 
 
-def first_error(
-    error: ValidationError, name: str, cls: type[BaseModel] | None = None, loaded: object = None
-) -> InputError:
+def first_error(error: ValidationError, name: str, cls: type[BaseModel], loaded: object) -> InputError:
     """Return the first finding of pydantic as an InputError that names the key and the entry of ``loaded``."""
     found = error.errors(include_url=False)
     # A misspelt key is also a missing one: the spelling is what helps.

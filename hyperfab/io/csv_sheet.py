@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from hyperfab.errors import InputError
 from hyperfab.io.dictionary import reading
 from hyperfab.io.headings import Heading, meaning, suffixed
-from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.rows import Row
 from hyperfab.io.settings import Entry
 
@@ -28,13 +28,13 @@ class CsvSheet:
     header_line: int
     columns: tuple[Sequence[str], ...]
     lines: Sequence[int]
-    metadata: Mapping[str, list[Entry]] = field(default_factory=dict)
-    left_out: Mapping[str, int] = field(default_factory=dict)
-    closing: tuple[str, ...] = ()
-    layout: Layout = PLAIN
-    mark: str | None = None
+    metadata: Mapping[str, list[Entry]]
+    left_out: Mapping[str, int]
+    closing: tuple[str, ...]
+    layout: Layout
+    mark: str | None
+    over: Row | None
     label: str = ""
-    over: Row | None = None
 
     def find(self, *names: str) -> Heading | None:
         """Return the column of one of ``names``, or None; InputError where two columns have it.

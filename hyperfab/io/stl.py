@@ -53,7 +53,7 @@ class SurfaceMesh:
     faces: Ints
     facets: int
     facet_of_face: Ints
-    questions: tuple[str, ...] = ()
+    questions: tuple[str, ...]
 
 
 def read_stl(data: bytes, name: str, unit: str = "mm") -> SurfaceMesh:

@@ -51,7 +51,7 @@ def is_workbook(data: bytes) -> bool:
         return True  # said by worksheets
 
 
-def worksheets(data: bytes, name: str, picked: str | None = None) -> list[tuple[str, list[Row]]]:
+def worksheets(data: bytes, name: str, picked: str | None) -> list[tuple[str, list[Row]]]:
     """Return the visible sheets of a workbook, or the one called ``picked``: its title, its rows of cells as text.
 
     Numbers stand as they are stored, to the digit; percentages with their sign, dates in ISO form, errors by their name

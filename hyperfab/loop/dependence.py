@@ -10,6 +10,8 @@ import numpy as np
 from hyperfab.arrays import Array, Ints
 
 _BINS = 8
+#: Products that a formula has at most.
+_MOST_TERMS = 3
 
 
 def dependence(
@@ -74,7 +76,7 @@ def period(residual: Array, time: Array) -> tuple[float, float] | None:
     return (span / float(turns), carried) if carried > 0.5 else None
 
 
-def suggestion(residual: Array, sd: Array, states: Mapping[str, Array], reach: int = 3) -> tuple[str, float] | None:
+def suggestion(residual: Array, sd: Array, states: Mapping[str, Array]) -> tuple[str, float] | None:
     """Return a sparse formula for the raw residual in products of state variables, and the share it takes.
 
     Orthogonal matching pursuit over products of up to two scaled state variables; a product stays where it pays in BIC.
@@ -104,7 +106,7 @@ def suggestion(residual: Array, sd: Array, states: Mapping[str, Array], reach: i
     best = total
     coefficients: Array = np.empty(0)
     norms = np.sqrt(np.sum(matrix**2, axis=0))
-    for _ in range(reach):
+    for _ in range(_MOST_TERMS):
         gains = np.abs(matrix.T @ left) / norms
         gains[chosen] = 0.0
         trial = [*chosen, int(np.argmax(gains))]

@@ -60,10 +60,10 @@ class FabricProblem(Problem):
     fabric: Fabric = field(kw_only=True)
     tests: Sequence[TestCurve] = field(kw_only=True)
     law: Law = field(kw_only=True)
-    both: bool = field(default=False, kw_only=True)
-    held: Mapping[str, tuple[str, tuple[float, ...]]] = field(default_factory=dict, kw_only=True)
-    transverse_rows: Array = field(default_factory=lambda: np.empty(0, dtype=np.int64), kw_only=True)
-    remake: object = field(default=None, kw_only=True)
+    both: bool = field(kw_only=True)
+    held: Mapping[str, tuple[str, tuple[float, ...]]] = field(kw_only=True)
+    transverse_rows: Array = field(kw_only=True)
+    remake: object = field(kw_only=True)
 
     def of_own(self, own: Array) -> tuple[Array, Array | None, dict[str, tuple[str, Array]]]:
         """Return the law's constants along warp and weft (None: alike), and the terms the model already has."""

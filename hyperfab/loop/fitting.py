@@ -94,7 +94,7 @@ def descent(
     starts: Sequence[Sequence[float] | Array],
     *,
     iterations: int = 30,
-    coarse: bool = False,
+    coarse: bool,
 ) -> Descent:
     """Return the descent from that of several starts that leads on, each made once for a problem.
 

@@ -69,7 +69,7 @@ class HeatProblem(Problem):
     joints: Array = field(kw_only=True)
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
     lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)), kw_only=True)
-    names: Sequence[str] = field(default=(), kw_only=True)
+    names: Sequence[str] = field(kw_only=True)
     base: Sequence[str] = field(default=(), kw_only=True)
     tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
 

@@ -152,8 +152,8 @@ def press_problem(
     readings: Sequence[Reading],
     *,
     foam: FoamContext,
-    prior: float = 0.10,
-    fixed: Sequence[str] = (),
+    prior: float,
+    fixed: Sequence[str],
 ) -> PressProblem:
     """Return the problem of ``readings``; each cloud is cut into patches, which are left out in turn.
 

@@ -53,8 +53,8 @@ class PressTable:
     plan: Array
     law: FoamLaw
     bend: Array
-    fabric_law: FoamLaw | None = None
-    stays: Array | float = 0.0
+    fabric_law: FoamLaw | None
+    stays: Array | float
 
     @cached_property
     def sandwich(self) -> Sandwich:
@@ -144,7 +144,7 @@ class Moved:
 
 
 def press_table(
-    closed: Closed, plan: Array, travel: float, stays: Array | float = 0.0
+    closed: Closed, plan: Array, travel: float, stays: Array | float
 ) -> tuple[PressTable, PressTable, Array]:
     """Return tables of all vertices of the front, and of those the force is summed over with its correction (k,).
 

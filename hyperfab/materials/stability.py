@@ -20,6 +20,8 @@ from hyperfab.materials.modes import MODES, second_stretch
 #: Stretches that are looked at, from compression to far beyond what fabrics bear.
 LOWEST, HIGHEST = 0.2, 15.0
 _POINTS_DOWN, _POINTS_UP = 160, 640
+#: Points a side of the plane of both stretches.
+_POINTS_OF_PLANE = 161
 #: Rounding leaves eigenvalues of 1e-16 of the larger one with either sign.
 _ROUNDING = -1e-13
 
@@ -115,14 +117,14 @@ class Plane:
     first_unstable: tuple[float, float] | None
 
 
-def stable_plane(material: Material, low: float, high: float, points: int = 161) -> Plane:
+def stable_plane(material: Material, low: float, high: float) -> Plane:
     """Look at the plane of both stretches on a grid even in logarithmic strain.
 
     >>> from hyperfab.materials import bind
     >>> stable_plane(bind("neo-hookean", {"C10_MPa": 0.2}), 0.8, 2.0).stable_fraction
     1.0
     """
-    line = np.geomspace(low, high, points)
+    line = np.geomspace(low, high, _POINTS_OF_PLANE)
     l1, l2 = np.meshgrid(line, line, indexing="ij")
     values = margin(material, l1, l2)
     known, wrong = ~np.isnan(values), values <= _ROUNDING

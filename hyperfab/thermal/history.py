@@ -16,6 +16,8 @@ from hyperfab.thermal.trail import Trail
 
 #: A body that changes by less [K] has turned no heat over that an error could be measured by.
 LEAST_CHANGE = 1e-4
+#: Rows of a curve over a run that the steps are filled up to.
+ROWS = 200
 
 
 @dataclass
@@ -157,11 +159,11 @@ class History:
             self.reached = None
 
 
-def curve_times(history: History, rows: int = 200) -> Array:
-    """Return the times of all steps and evenly spaced ones between, about ``rows`` in all [s]."""
+def curve_times(history: History) -> Array:
+    """Return the times of all steps and evenly spaced ones between, about ``ROWS`` in all [s]."""
     steps = np.array(history.states.times)
-    even = np.linspace(steps[0], steps[-1], rows + 1)
-    near = np.abs(even[:, None] - steps[None, :]).min(axis=1) < 1e-3 * (steps[-1] - steps[0]) / rows
+    even = np.linspace(steps[0], steps[-1], ROWS + 1)
+    near = np.abs(even[:, None] - steps[None, :]).min(axis=1) < 1e-3 * (steps[-1] - steps[0]) / ROWS
     return np.sort(np.concatenate([steps, even[~near]]))
 
 

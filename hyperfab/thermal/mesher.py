@@ -82,7 +82,6 @@ def make_mesh(
     geometry: Geometry,
     mesh_size: float,
     *,
-    grading: float = GRADING,
     patience: float | None = None,
     waiting: Callable[[float], None] = lambda seconds: None,
     built: Callable[[Array], None] = lambda volumes: None,
@@ -97,22 +96,22 @@ def make_mesh(
     limit = patience
     if limit is None:
         limit = PATIENCE_BASE + PATIENCE_PER_TETRAHEDRON * expected_tetrahedra(geometry, mesh_size)
-    return RawMesh(**_ask(_mesh_job(geometry, mesh_size, grading), limit, waiting, built))
+    return RawMesh(**_ask(_mesh_job(geometry, mesh_size), limit, waiting, built))
 
 
 def begin_mesh(geometry: Geometry, mesh_size: float) -> None:
     """Let the mesher begin on what ``make_mesh`` will be asked for; ``netgen_process.end`` ends it where it is not."""
-    netgen_process.begin(_mesh_job(geometry, mesh_size, GRADING))
+    netgen_process.begin(_mesh_job(geometry, mesh_size))
 
 
-def _mesh_job(geometry: Geometry, mesh_size: float, grading: float) -> bytes:
+def _mesh_job(geometry: Geometry, mesh_size: float) -> bytes:
     job = {
         "task": "mesh",
         "parts": [_body(part) for part in geometry.parts],
         "cavities": [_body(cavity) for cavity in geometry.cavities],
         "patches": [{"part": patch.part, "box": _shape(patch.box)} for patch in geometry.patches],
         "mesh_size": mesh_size,
-        "grading": grading,
+        "grading": GRADING,
     }
     return json.dumps(job).encode()
 
@@ -122,8 +121,8 @@ def mesh_surface(
     mesh_size: float,
     sizes: Array,
     *,
-    patience: float = PATIENCE_BASE,
-    waiting: Callable[[float], None] = lambda seconds: None,
+    patience: float,
+    waiting: Callable[[float], None],
 ) -> tuple[Array, Ints]:
     """Mesh a closed surface with triangles of edge ``mesh_size`` [mm], smaller near the points of ``sizes``.
 

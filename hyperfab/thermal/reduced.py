@@ -8,7 +8,7 @@ capacities, powers, joints and the effects below stay free: they are numbers in 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -65,9 +65,9 @@ class ReducedMold:
     start: Array
     warmer: Array
     reference_degC: float
-    corners: Sequence[float] = field(default_factory=tuple)
-    conductances: Sequence[float] = ()
-    absent: int = 0
+    corners: Sequence[float]
+    conductances: Sequence[float]
+    absent: int
 
     def plain(self, count: int = 1) -> Settings:
         """Return the settings of so many runs in which all is as the document says."""

@@ -32,6 +32,8 @@ SETTLED = 1e-3
 #: ... or its thermostats have switched so often, or so much time has gone by [s].
 MOST_SWITCHES = 400
 LONGEST = 60 * 86400.0
+#: A run of more time steps has gone astray.
+MOST_STEPS = 100_000
 
 
 @dataclass(frozen=True)
@@ -41,7 +43,6 @@ class Schedule:
     until: float | None
     corners: Sequence[float] = ()
     tolerance: float = 0.1
-    most_steps: int = 100_000
 
 
 def run(
@@ -60,7 +61,7 @@ def run(
 
     ``finished`` is asked at every corner whether to stop there; a ``shortcut`` may see the mold by the coordinates of a
     basis for a while; ``advance`` is told the state after every step, or every stretch of a reduced mold.
-    Raises NotConverged where the step falls below any use or more than ``most_steps`` are taken.
+    Raises NotConverged where the step falls below any use or more than ``MOST_STEPS`` are taken.
     """
     state = initial_state(model, 0.0, start)
     history = History(Trail([state]), Ledger.begin(model, model.total(state.stored), [r.name for r in renewals]))
@@ -116,9 +117,9 @@ def run(
             history.settled = True
             break
         length = following
-        if len(history.states) > schedule.most_steps:
+        if len(history.states) > MOST_STEPS:
             raise NotConverged(
-                f"{schedule.most_steps} time steps did not reach the end",
+                f"{MOST_STEPS} time steps did not reach the end",
                 remedy="widen the thermostat's band or the tolerance",
             )
     model.changed()  # the room is for what is made of the result

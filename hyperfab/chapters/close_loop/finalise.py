@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, TypeVar
 
@@ -44,8 +44,8 @@ class Extension:
     """The case of the extended model, and files it reads that are not written yet (by suffix)."""
 
     case: Case
-    files: Mapping[str, bytes] = field(default_factory=dict)
-    notes: Sequence[str] = ()
+    files: Mapping[str, bytes]
+    notes: Sequence[str]
 
 
 @dataclass(frozen=True)

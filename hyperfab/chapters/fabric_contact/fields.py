@@ -23,7 +23,7 @@ def sure_fields(solved: Solved) -> dict[str, Array]:
     }
 
 
-def vtu(solved: Solved, difference: Array | None, twins: Mapping[str, Array] = {}) -> bytes:
+def vtu(solved: Solved, difference: Array | None, twins: Mapping[str, Array]) -> bytes:
     """Return the whole deformed sheet with its fields; a computed quarter is mirrored. ``twins`` (n,) by name are
     standard deviations of fields, where they are known."""
     sheet, state = solved.press.sheet, solved.state

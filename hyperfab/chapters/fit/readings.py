@@ -79,7 +79,7 @@ def read_all(
     files: Mapping[str, Sequence[str]],
     geometry: Geometry,
     columns: Layout,
-    told: list[str] | None = None,
+    told: list[str],
 ) -> list[TestData]:
     """Read every file as the test its option says, or as what it is itself under no name; say how each was read.
 
@@ -99,8 +99,7 @@ def read_all(
     unused_columns(columns, found)
     lines = understood(found)
     job.console.note(*lines)
-    if told is not None:
-        told += lines
+    told += lines
     return found
 
 

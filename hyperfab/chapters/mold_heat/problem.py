@@ -300,7 +300,7 @@ def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
     return read_field(inputs, name, read_document(inputs, name, HeatDocument), "tetra10", "temperature_degC")
 
 
-def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int] = ()) -> Array:
+def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int]) -> Array:
     """Return an earlier field (points in mm) at the nodes of ``mesh``: part by part where the parts agree.
 
     Parts by the numbers ``own`` begin at temperatures of their own, and need not have been there.

@@ -129,7 +129,7 @@ def reread(
     case: PressCase,
     before: PressCase,
     files: Files,
-    handed: Mapping[str, Mapping[int, float]] = {},
+    handed: Mapping[str, Mapping[int, float]],
 ) -> Files:
     """Return the files of a case like the one ``before`` but for its quantities and those of its foam document, on the
     same molds, with the drape that it is where numbers of its document, of those ``handed`` on, change."""

@@ -67,8 +67,8 @@ class Certainty:
     condition_number: float
     leverage: Array
     studentised: Array
-    scatter: Scatter | None = None
-    stated: bool = False
+    scatter: Scatter | None
+    stated: bool
 
     def reordered(self, order: Sequence[int]) -> Certainty:
         """Return the certainty with the constants, under the same names, in another order."""

@@ -40,7 +40,7 @@ class Scatter:
     covariance: Array
     freedom: int
     specimens: int
-    parts: tuple[tuple[Array, int], ...] = ()
+    parts: tuple[tuple[Array, int], ...]
 
     def reordered(self, order: Sequence[int]) -> Scatter:
         """Return the scatter of the constants in another order."""

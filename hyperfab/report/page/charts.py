@@ -49,7 +49,7 @@ def dots(
     high: float,
     unit: str,
     bar: bool,
-    axes: str = "",
+    axes: str,
 ) -> dict[str, Any]:
     """Return points coloured by a value on a scale from low to high, on both sides of nothing where low is less;
 
