@@ -117,10 +117,6 @@ def _ends(values: ArrayLike) -> tuple[float, float] | None:
 
 
 def span(low: float, high: float, unit: str = "") -> str:
-    """Return a range in words, or its one value.
-
-    >>> span(23.0, 105.0, "degC"), span(1, 1)
-    ('23 to 105 degC', '1')
-    """
+    """Return a range in words, or its one value."""
     ends = dict.fromkeys(f"{value:.4g}" for value in (low, high))
     return " to ".join(ends) + (f" {unit}" if unit else "")

@@ -148,11 +148,7 @@ def stated_kind(loaded: object) -> str:
 
 
 def told_format(found: object) -> tuple[str, int] | None:
-    """Return the kind and version of ``format``, None where it is no format of hf.
-
-    >>> told_format("hyperfab.drape/1"), told_format("drape")
-    (('drape', 1), None)
-    """
+    """Return the kind and version of ``format``, None where it is no format of hf."""
     match = re.fullmatch(r"hyperfab\.([a-z-]+)/([0-9]{1,6})", found) if isinstance(found, str) else None
     return None if match is None else (match[1], int(match[2]))
 

@@ -263,7 +263,7 @@ class _Reader:
         if length is None:
             self.specimen.refuse_untaken("gauge length", "grip distance")
             pressed = self.pressed or column.compressive
-            force = self._load_beside(column)
+            force = self.roles.first(STRESSES, " 2" if column.name.endswith(" 2") else "")
             too = force is not None and force.name.startswith("force") and not self.specimen.tells_section(axis)
             raise InputError(
                 "needs the gauge length to become a stretch",
@@ -280,12 +280,9 @@ class _Reader:
             self.notes.append(f"{head.title} is counted from its first row")
         return 1.0 + values / length
 
-    def _load_beside(self, column: Column) -> Column | None:
-        return self.roles.first(STRESSES, " 2" if column.name.endswith(" 2") else "")
-
     def _is_place(self, values: Array, column: Column) -> bool:
         """Whether an extension is where the crosshead stands: more than it changes by, with next to no load yet."""
-        force = self._load_beside(column)
+        force = self.roles.first(STRESSES, " 2" if column.name.endswith(" 2") else "")
         if column.name.removesuffix(" 2") != "extension" or force is None or not abs(values[0]) > np.ptp(values) > 0.0:
             return False
         loads = np.abs(numbers(self.sheet, force.heading, self.specimen.decimal))

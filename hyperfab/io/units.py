@@ -209,7 +209,7 @@ def _deviation(text: str, stated: str, kind: Kind) -> float:
         return float(abs(Fraction(_exact(stated, kind))) * number / 100)
     if not unit and kind.unit != "1":
         raise UnitError(f"a tolerance needs its unit, or %; write {example}")
-    return float(number * _to_kind(unit, kind)[0])
+    return float(number * _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)[0])
 
 
 def _exact(value: object, kind: Kind) -> float:
@@ -235,7 +235,7 @@ def _of_text(value: str, kind: Kind) -> float:
         raise UnitError(f"{_article(kind)} needs its unit; write {_form(number, kind)}")
     if _TIMES.match(unit):
         raise UnitError(f"may be a product or two sizes; write one number, as in {kind.example}")
-    factor, offset = _to_kind(unit, kind)
+    factor, offset = _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)
     exact = Fraction(number) * factor + offset
     if kind.offset and exact < _ABSOLUTE_ZERO_C:
         raise UnitError("is below absolute zero")
@@ -244,10 +244,6 @@ def _of_text(value: str, kind: Kind) -> float:
     except OverflowError:
         raise UnitError("is larger than any number the program can hold") from None
     return result
-
-
-def _to_kind(unit: str, kind: Kind) -> tuple[Fraction, Fraction]:
-    return _linear(parse_unit(unit) if unit else DIMENSIONLESS, kind, unit)
 
 
 def _linear(unit: Unit, kind: Kind, text: str) -> tuple[Fraction, Fraction]:

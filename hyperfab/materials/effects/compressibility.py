@@ -26,10 +26,6 @@ def across(stretch: Array, contraction: Array | float, bend: float = 0.0) -> Arr
     return np.asarray(stretch ** -(contraction + bend * np.log(stretch)))
 
 
-def _area(mode: Array, stretch: Array, second: Array) -> Array:
-    return np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
-
-
 def as_incompressible(mode: Array, stretch: Array, second: Array, contraction: Array, bend: float = 0.0) -> Array:
     """Return the second stretch at which an incompressible sheet has the same stretch and the same thickness.
 
@@ -37,7 +33,7 @@ def as_incompressible(mode: Array, stretch: Array, second: Array, contraction: A
     of a law in the stretches along the pull and through the thickness is then the incompressible one at
     ``l2 = 1/(l1 l3)``. Exact for the neo-Hookean energy.
     """
-    area = _area(mode, stretch, second)
+    area = np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
     thickness = area ** (-contraction / (1.0 - contraction))
     thickness = np.where(mode == UNIAXIAL, across(stretch, contraction, bend), thickness)
     return np.asarray(1.0 / (stretch * thickness))
@@ -68,7 +64,7 @@ def volume(mode: Array, stretch: Array, second: Array, nu: float) -> Array:
     found = np.ones_like(stretch)
     if share == 0.0:
         return found
-    area = _area(mode, stretch, second)
+    area = np.where(mode == BIAXIAL, stretch**2, np.where(mode == SHEAR, stretch, stretch * second))
     other = second_stretch(mode, stretch, second, second)
     pulled = mode == UNIAXIAL
     flat, thick = stretch**2 + np.where(pulled, 0.0, other**2), np.where(pulled, 0.0, area**-2.0)

@@ -48,11 +48,7 @@ def project(A: Array, b: Array) -> Projection:
 
 
 def lengths(A: Array) -> Array:
-    """Return the lengths of the columns of a matrix, 1 where there is nothing in one.
-
-    >>> lengths(np.array([[3.0, 0.0], [4.0, 0.0]]))
-    array([5., 1.])
-    """
+    """Return the lengths of the columns of a matrix, 1 where there is nothing in one."""
     length = np.sqrt((A * A).sum(axis=0))
     return np.where(length > 0.0, length, 1.0)
 
