@@ -104,9 +104,9 @@ class Ranges:
         words = []
         for entry, unit, then in self._uses.values():
             if entry.within is False and entry.known is not None:
-                known = f"{entry.source}: {span(*entry.known, unit)}" + (f"; {then}" if then else "")
+                known = f"{entry.source}: {span(*entry.known, unit=unit)}" + (f"; {then}" if then else "")
                 along = f" along the {entry.direction}" if entry.direction else ""
-                words.append(f"{entry.of.removesuffix('_degC')}{along} {span(*entry.used, unit)} ({known})")
+                words.append(f"{entry.of.removesuffix('_degC')}{along} {span(*entry.used, unit=unit)} ({known})")
         return f"used beyond what is known: {', '.join(words)}" if words else None
 
 
@@ -116,7 +116,7 @@ def _ends(values: ArrayLike) -> tuple[float, float] | None:
     return (float(found.min()), float(found.max())) if len(found) else None
 
 
-def span(low: float, high: float, unit: str = "") -> str:
+def span(low: float, high: float, *, unit: str = "") -> str:
     """Return a range in words, or its one value."""
     ends = dict.fromkeys(f"{value:.4g}" for value in (low, high))
     return " to ".join(ends) + (f" {unit}" if unit else "")
