@@ -58,12 +58,7 @@ class Job:
             entry.model_copy(update={"source": os.path.basename(entry.source)})
             for entry in self.ranges.entries
         ]
-        document.provenance = record(self.command, self.arguments, self.inputs.files, output.target)
-        data: dict[str, Any] = document.to_json()
-        if case is not None:
-            own = data.get("setup", {})
-            hashes = {file.name: file.sha256 for file in self.inputs.files}
-            data = document.to_json(case.setup(hashes, known | own) | own)
+        data = self.stated(document, output.target, case, **known)
         # A document behind the model is one to open: its place counts.
         places = {file.name: relative_name(file.name, output.target) for file in self.inputs.files}
         place = _Seen({name: seen for name, seen in places.items() if name not in (seen, "-")})
@@ -83,6 +78,19 @@ class Job:
         if output.wants_files:
             beside = f" and {len(output.names)} files beside it" if output.names else ""
             self.console.note(f"written: {output.target}{beside}")
+
+    def stated(self, document: Document, target: str, case: Case | None, **known: Any) -> dict[str, Any]:
+        """Return a document that lies at ``target`` or beside it as plain data, with its set-up and provenance.
+
+        ``known`` are values of the set-up as in ``write``.
+        """
+        document.provenance = record(self.command, self.arguments, self.inputs.files, target)
+        data: dict[str, Any] = document.to_json()
+        if case is None:
+            return data
+        own = data.get("setup", {})
+        hashes = {file.name: file.sha256 for file in self.inputs.files}
+        return document.to_json(case.setup(hashes, known | own) | own)
 
     def named(self, data: Any) -> Any:
         """Return plain data with the inputs in its texts under their own names, namesakes as the document sees them.

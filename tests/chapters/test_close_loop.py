@@ -106,6 +106,8 @@ def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
     extended = json.loads((tmp_path / document["model"]).read_text())
     jsonschema.validate(extended, schema("material"))
     assert len(extended["temperatures"]) >= 2
+    # As every document it says what was run, and on what.
+    assert (extended["setup"], extended["provenance"]) == (document["setup"], document["provenance"])
 
 
 @pytest.mark.slow

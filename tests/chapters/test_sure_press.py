@@ -100,6 +100,54 @@ def test_foam_as_soft_as_each_place_is_hot_goes_with_its_temperature_to_the_firs
         assert near[name] == pytest.approx(sd, rel=0.02), name
 
 
+#: A plate heated from one end, so that a field of temperature is handed on.
+HEATED = """format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "20 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "plate"
+material = "aluminium"
+box = { origin = ["-50 mm", "-40 mm", "LOW mm"], size = ["100 mm", "80 mm", "20 mm"] }
+[[heater]]
+on = "plate.x-"
+power = "80 W +- 5 %"
+[[convection]]
+on = "exposed"
+h = "12 W/m^2/K +- 5 %"
+ambient = "25 degC"
+[run]
+start = "25 degC"
+steady = true
+mesh_size = "40 mm"
+"""
+
+
+@pytest.mark.parametrize("dwell", [(), pytest.param(("--dwell", "20s"), marks=pytest.mark.slow)])
+def test_foam_between_molds_of_heat_documents_goes_with_what_these_hand_on(
+    dwell: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, low in (("plate-male", "-20"), ("plate-female", "0")):
+        Path(f"{name}.toml").write_text(HEATED.replace("LOW", low))
+        made = rerun(read(case_class("mold-heat"), [f"{name}.toml"]), f"{name}.heat.json")
+        Path(f"{name}.heat.json").write_bytes(dump_json(made.document))
+        for suffix, data in made.siblings.items():
+            Path(f"{name}.heat{suffix}").write_bytes(data)
+    heat = ("--male-heat", "plate-male.heat.json", "--female-heat", "plate-female.heat.json")
+    words = ("--gap", "3mm", *heat, *dwell, "--uncertainty", "linear")
+    closed: list[Any] = []
+    close = warmth.close_press
+    monkeypatch.setattr(warmth, "close_press", lambda case: (closed.append(case), close(case))[1])
+    near = sds(pressed("plate", *words, foam=SOFTENING))
+    assert len(closed) == 1
+    monkeypatch.setattr(nearby, "beside", lambda *given: None)
+    anew = sds(pressed("plate", *words, foam=SOFTENING))
+    assert set(near) == set(anew)
+    for name, sd in anew.items():
+        assert near[name] == pytest.approx(sd, rel=0.02), name
+
+
 def test_no_press_is_closed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
     closed: list[Any] = []
     close = warmth.close_press

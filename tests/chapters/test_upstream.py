@@ -26,7 +26,9 @@ from loop.blind_chain import (
 )
 
 from hyperfab.chapters.close_loop.unsure import unsure_fabric, unsure_mold
+from hyperfab.chapters.close_loop.upstream import moved
 from hyperfab.documents.base import parse_document
+from hyperfab.documents.loop import MovedConstant
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.vtu_read import read_vtu
 
@@ -105,6 +107,49 @@ def test_a_force_over_stroke_alone_is_not_traced(hf: Run, traced: tuple[Path, di
     done = hf("close-loop", "press.json", "force.csv", "--upstream", "-o", "f.json", cwd=folder)
     assert done.returncode == 2
     assert "--upstream traces pressure, thickness or contact at places" in done.stderr.decode()
+
+
+#: A foam that softens where it is hot: with a dwell each place has the law of its own temperature.
+SOFTENING = """format = "hyperfab.foam/1"
+thickness = "THICK mm"
+compression = [
+  { law = "linear", modulus = "0.03 MPa", temperature = "23 degC" },
+  { law = "linear", modulus = "0.015 MPa", temperature = "200 degC" },
+]
+fabric = { above = "0.5 mm", below = "0.5 mm" }
+conductivity = "0.04 W/m/K"
+specific_heat = "1400 J/kg/K"
+density = "30 kg/m^3"
+"""
+
+
+@pytest.mark.slow
+def test_foam_with_the_law_of_each_place_is_traced(hf: Run, tmp_path: Path) -> None:
+    for name, data in molds().items():
+        (tmp_path / name).write_bytes(data)
+    for target, thick in (("true", 3.8), ("press", 3.6)):
+        (tmp_path / "foam.toml").write_text(SOFTENING.replace("THICK", str(thick)))
+        done = hf("press-contact", *PLAIN, "--dwell", "5s", "-o", f"{target}.json", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
+    field = {"press.vtu": (tmp_path / "true.vtu").read_bytes()}
+    (tmp_path / "film.csv").write_bytes(film(field, np.random.default_rng(2), NOISE))
+    done = hf("close-loop", "press.json", "film.csv", "--upstream", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode in (0, 1), done.stderr.decode()
+    told = json.loads((tmp_path / "loop.json").read_text())["upstream"]
+    assert (told["verdict"], told["chapter"]) == ("chapter", "foam")
+    [constants] = [one["constants"] for one in told["chapters"] if one["chapter"] == "foam"]
+    [thickness] = [one for one in constants if one["name"] == "foam.toml: thickness"]
+    assert thickness["change"] == pytest.approx(0.2, abs=3.0 * thickness["sd"])
+    assert told["error"]["after"]["chi2_reduced"] < 1.4 < 4.0 < told["error"]["before"]["chi2_reduced"]
+
+
+def test_constants_that_are_seen_together_only_are_told_together() -> None:
+    def one(name: str, change: float, sd: float) -> MovedConstant:
+        return MovedConstant(name=name, change=change, sd=sd, known_sd=0.1)
+
+    together = moved([one("warp", 0.08, 0.29), one("weft", -0.17, 0.22)])
+    assert together.startswith("these data see weft (by -0.17 ± 0.22) and warp (by 0.08 ± 0.29) together")
+    assert moved([one("warp", 0.001, 0.02), one("weft", -0.17, 0.02)]) == "it is most of all weft, by -0.17 ± 0.02"
 
 
 def test_documents_made_unsure_are_sound_and_keep_what_they_state() -> None:

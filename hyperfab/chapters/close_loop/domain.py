@@ -9,8 +9,9 @@ from typing import Any
 from hyperfab.cases.loop import LoopCase
 from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
-from hyperfab.documents.base import told_format
+from hyperfab.documents.base import Document, told_format
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.loop.thresholds import PRIOR
@@ -54,6 +55,11 @@ class Given:
         """The stated relative standard deviation of the model's own constants, or what is taken for constants of which
         something is always known."""
         return PRIOR if self.case.prior is None else self.case.prior
+
+
+def signed(job: Job, given: Given, document: Document, target: str) -> bytes:
+    """Return a document that the loop on a sheet or a press writes beside ``target``, with the loop's own set-up."""
+    return dump_json(job.stated(document, target, given.case, prior=given.surely))
 
 
 def kind_of(job: Job, name: str) -> tuple[str, Mapping[str, Any]]:

@@ -13,7 +13,7 @@ from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
-from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
+from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Traces, finish
 from hyperfab.chapters.close_loop.readings import Files, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
@@ -22,13 +22,12 @@ from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
-from hyperfab.chapters.validity import Ranges
 from hyperfab.cloth import Equilibrium, HeldNodeInside, Sheet, answers, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
 from hyperfab.documents.base import read_document
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import HyperfabError, InputError, NotConverged
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
@@ -56,8 +55,6 @@ _NEAR = 1e-2
 _OFF, _ASIDE = 0.2, 0.12
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
-#: What a membrane leaves, over what the net does with all that was added, where coupling is named.
-_COUPLED = 0.8
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -89,14 +86,22 @@ def run(job: Job, given: Given) -> int:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     files = _tracked(job, draped, files)
     problem = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
-    traces: list[Callable[[Finding, LoopDocument], Sequence[str]]] = []
-    if made.case.sheet == "net" and material is not None:
-        traces.append(lambda found, result: as_membrane(forward, problem, files.plain, found, result))
-    if given.case.upstream:
-        # It drapes sheets as this module does.
-        from hyperfab.chapters.close_loop.upstream_drape import tracing
+    # These drape sheets as this module does.
+    from hyperfab.chapters.close_loop.coupled import instead_of_net, said_of_membrane
+    from hyperfab.chapters.close_loop.upstream_drape import tracing
 
-        traces.append(tracing(forward, problem, given.surely, out))
+    def extend(forward: Forward, problem: DrapeProblem, found: Finding) -> Extension:
+        return extend_drape(out, forward.case, material, forward.sheet, problem, found)
+
+    def traced(forward: Forward, problem: DrapeProblem) -> Traces:
+        trace = tracing(forward, problem, given, out) if given.case.upstream else None
+
+        def follow_up(found: Finding, result: LoopDocument) -> list[str]:
+            said = said_of_membrane(forward, problem, files.plain, found)
+            return said + (trace(found, result) if trace is not None else [])
+
+        return follow_up
+
     return finish(
         job,
         out,
@@ -104,38 +109,11 @@ def run(job: Job, given: Given) -> int:
         files,
         given=given,
         axis="from the middle_mm",
-        extend=lambda found: extend_drape(out, made.case, material, forward.sheet, problem, found),
+        extend=lambda found: extend(forward, problem, found),
         rounds=forward.corrected,
-        upstream=lambda found, result: [text for trace in traces for text in trace(found, result)],
+        upstream=traced(forward, problem),
+        instead=instead_of_net(forward, files, given, extend, traced),
     )
-
-
-def as_membrane(
-    forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding, result: LoopDocument
-) -> Sequence[str]:
-    """Return what the fabric's own law as a membrane would leave, where a net does not carry the markers.
-
-    How warp and weft answer to each other has no amount that could be added to springs: it is another sheet.
-    """
-    if found.verdict != "unexplained":
-        return []
-    job = replace(forward.job, ranges=Ranges())
-    coupled = Forward(job, replace(forward.case, sheet="membrane"), forward.material)
-    grid = (forward.sheet.n, forward.sheet.m)
-    try:
-        places = coupled.nodes(np.ones(len(coupled.names)), {}, grid)
-    except HyperfabError:
-        return []
-    posed = drape_problem(replace(problem.draped, base=places), files)
-    rows = slice(posed.curves[-1].start)  # the last is what is known of the constants
-    given = np.array([one.value for one in posed.own])
-    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
-    if left >= _COUPLED * result.error.after.rms:
-        return []
-    return [
-        f"As a membrane, its law coupling warp and weft, the same fabric misses by {left:.3g} mm as it is: "
-        "biaxial-coupling is lacking. Drape it with --sheet membrane, and close the loop on that."
-    ]
 
 
 def read_markers(

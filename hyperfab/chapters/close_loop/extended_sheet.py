@@ -19,7 +19,6 @@ from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.contact import ContactProblem
 from hyperfab.loop.drape import DrapeProblem
@@ -78,7 +77,7 @@ def extend_contact(
         _soften(fabric, problem, *fit.terms["thermal-softening"])
         larger = replace(larger, temperature=float(np.median(_met(problem))))
     mark(fabric.effects or [], found)
-    return Extension(larger, {FABRIC: dump_json(fabric.to_json())}, notes)
+    return Extension(larger, {FABRIC: fabric}, notes)
 
 
 def _soften(fabric: MaterialDocument, problem: ContactProblem, form: str, values: Array) -> None:
@@ -120,7 +119,7 @@ def extend_drape(
         larger = replace(larger, warp=warp, weft=weft, thickness=sheet.thickness)
         return Extension(larger, dict(zip(THREADS, laws, strict=True)), notes)
     fabric = scaled_material(material, {name: own[name] for name in problem.draped.names})
-    return Extension(replace(larger, material=str(out.path(FABRIC))), {FABRIC: dump_json(fabric.to_json())}, notes)
+    return Extension(replace(larger, material=str(out.path(FABRIC))), {FABRIC: fabric}, notes)
 
 
 def _thread(law: SpringLaw, factor: float) -> bytes:

@@ -21,7 +21,6 @@ from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.base import Validity, parse_document
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.documents.provenance import record
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -93,9 +92,8 @@ def run(job: Job, given: Given) -> int:
         result.held_out = errors_apart(apart, found, tests.unit, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
-        model.provenance = record(job.command, job.arguments, job.inputs.files, out.target)
         model.validity = _closed_on(given.measured, tests)
-        out.add(".model.json", dump_json(model.to_json()))
+        out.add(".model.json", dump_json(job.stated(model, out.target, given.case)))
         result.model = out.path(".model.json").name
         _files(job, out, problem, found, tests.unit)
     return write(job, out, given, found, result)

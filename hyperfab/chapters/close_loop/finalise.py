@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
-from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.close_loop.domain import Given, signed
 from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.console import NEGATIVE_VERDICT
-from hyperfab.documents.base import stated_kind
+from hyperfab.documents.base import Document, stated_kind
 from hyperfab.documents.loop import Errors, LoopDocument
 from hyperfab.errors import HyperfabError
 from hyperfab.io.csv_write import csv_bytes
@@ -44,8 +44,26 @@ class Extension:
     """The case of the extended model, and files it reads that are not written yet (by suffix)."""
 
     case: Case
-    files: Mapping[str, bytes]
+    files: Mapping[str, bytes | Document]
     notes: Sequence[str]
+
+
+#: What moves the progress line on, with what is being done; and what traces a finding to the documents behind a model.
+Ticks = Callable[[str], None]
+Traces = Callable[[Finding, LoopDocument], Sequence[str]]
+
+
+@dataclass(frozen=True)
+class Instead(Generic[P]):
+    """Another kind of model that carries what was read where the one that was given does not: its ``problem``, what was
+    ``found`` on it (with the given one as the state before), how it is extended and traced, and ``tell``, which says in
+    the document what was changed for it."""
+
+    problem: P
+    found: Finding
+    extend: Callable[[Finding], Extension]
+    upstream: Traces
+    tell: Callable[[LoopDocument], None]
 
 
 @dataclass(frozen=True)
@@ -73,13 +91,14 @@ def finish(
     axis: str = "",
     rounds: Callable[[R, Finding], R | None] = lambda problem, found: None,
     warnings: Sequence[str] = (),
-    upstream: Callable[[Finding, LoopDocument], Sequence[str]] | None = None,
+    upstream: Traces | None = None,
+    instead: Callable[[R, Finding, Ticks], Instead[R] | None] = lambda problem, found, tick: None,
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
     ``axis`` is the state that the curves are drawn over. ``rounds`` returns the problem posed anew around a finding (a
     better linearisation), or None where it is good. ``upstream`` traces the misfit to the documents behind the model
-    and returns what it says.
+    and returns what it says. ``instead`` returns another kind of model where that carries what this one does not.
     """
     domain, gone, apart = stated_kind(given.data), dict(files.left_out), files.apart
     check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
@@ -88,15 +107,19 @@ def finish(
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3)
-        misses = (lambda posed: set_apart(posed, apart).misses) if apart else None
-        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=misses)
+        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=apart_of(files))
+        other = instead(problem, found, tick)
+        if other is not None:
+            problem, found, extend, upstream = other.problem, other.found, other.extend, other.upstream
         result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
+        if other is not None:
+            other.tell(result)
         if apart:
             result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0])
         say(job.console, problem, found, result)
         if out.wants_files:
             tick("the extended model")
-            _model(job, out, extend(found), result, caution(found))
+            _model(job, out, given, extend(found), result, caution(found))
             _files(job, out, problem, found, Axis.of(problem, axis))
         if upstream is not None:
             tick("the documents behind the model")
@@ -104,6 +127,11 @@ def finish(
     result.summary += traced
     job.console.note(*traced)
     return write(job, out, given, found, result)
+
+
+def apart_of(files: Files[Any]) -> Callable[[Any], Callable[[Fit], float]] | None:
+    """Return what says how far a model misses the readings that were set apart, of a problem; None where none were."""
+    return (lambda posed: set_apart(posed, files.apart).misses) if files.apart else None
 
 
 def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocument) -> int:
@@ -167,15 +195,19 @@ def close_rounds(
     return problem, found
 
 
-def _model(job: Job, out: Output, extension: Extension, result: LoopDocument, care: str) -> None:
+def _model(job: Job, out: Output, loop: Given, extension: Extension, result: LoopDocument, care: str) -> None:
     """Run the model's own command with the found terms, and queue what it writes as the extended model.
 
     ``care`` stands at the head of a document that people read, where something stays unexplained.
     """
     target = str(out.path(".model.json"))
-    files = {
-        suffix: noted(care, data) if suffix.endswith(".toml") else data for suffix, data in extension.files.items()
-    }
+
+    def laid(suffix: str, data: bytes | Document) -> bytes:
+        if isinstance(data, Document):
+            return signed(job, loop, data, target)
+        return noted(care, data) if suffix.endswith(".toml") else data
+
+    files = {suffix: laid(suffix, data) for suffix, data in extension.files.items()}
     given = {str(out.path(suffix)): data for suffix, data in files.items()}
     notes = list(extension.notes)
     for suffix, data in files.items():

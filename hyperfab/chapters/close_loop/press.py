@@ -73,7 +73,7 @@ def run(job: Job, given: Given) -> int:
         # It closes presses as this module does.
         from hyperfab.chapters.close_loop.upstream_press import tracing
 
-        upstream = tracing(job, made.case, given.surely, out, problem)
+        upstream = tracing(job, made.case, given, out, problem)
     return finish(
         job,
         out,

@@ -12,10 +12,14 @@ import numpy as np
 from hyperfab.arrays import Array, Flags
 from hyperfab.cases.case import Case
 from hyperfab.chapters.close_loop.describe import errors_of
+from hyperfab.chapters.close_loop.domain import Given, signed
 from hyperfab.chapters.close_loop.extended_mold import relocate
+from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.chapters.uncertainty.sources import Number
+from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.output import Output
@@ -108,7 +112,14 @@ def follow(chain: Chain, readings: Sequence[Any], read: Readings) -> tuple[Trace
 
 
 def add(
-    out: Output, result: LoopDocument, chain: Chain, readings: Sequence[Any], read: Readings, first: Flags
+    job: Job,
+    given: Given,
+    out: Output,
+    result: LoopDocument,
+    chain: Chain,
+    readings: Sequence[Any],
+    read: Readings,
+    first: Flags,
 ) -> list[str]:
     """Trace the misfit, say it in ``result``, and queue the corrected document; return what is to be said.
 
@@ -144,7 +155,7 @@ def add(
         told.document = traced.link.document or None
         told.error = errors(traced.shown)
         if out.wants_files:
-            told.written, told.command = _write(out, traced.link, traced.corrected)
+            told.written, told.command = _write(job, given, out, traced.link, traced.corrected)
     result.upstream = told
     return _say(told)
 
@@ -168,7 +179,7 @@ def _bare(name: str) -> str:
     return f"{os.path.basename(file)}{mark}{key}"
 
 
-def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
+def _write(job: Job, given: Given, out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
     """Queue the corrected document; return its name and the command that takes it."""
     if corrected.document is None:
         target = str(out.path(".upstream.json"))
@@ -180,7 +191,12 @@ def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
     else:
         suffix = ".upstream.toml" if link.document.endswith(".toml") else ".upstream.json"
         name = str(out.path(suffix))
-        out.add(suffix, _relocated(corrected.document, link.document, name))
+        if suffix.endswith(".toml"):
+            data = _relocated(corrected.document, link.document, name)
+        else:
+            document = parse_document(load_json(corrected.document, name), name, MaterialDocument)
+            data = signed(job, given, document, name)
+        out.add(suffix, data)
         changed = {
             one.name: name
             for one in corrected.command.settings().values()
@@ -192,8 +208,6 @@ def _write(out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
 
 def _relocated(data: bytes, old: str, new: str) -> bytes:
     """Return a document whose tables and documents are counted from where it is written now."""
-    if not old.endswith(".toml"):
-        return dump_json(load_json(data, old))
     plain = dict(load_toml(data, old))
     relocate(plain, (os.path.dirname(old), os.path.dirname(new)))
     return dump_toml(plain)
@@ -210,7 +224,7 @@ def _say(told: Upstream) -> list[str]:
             f"nearest is {likely.chapter} ({_percent(likely.probability)})."
         ]
     error, lines = told.error, []
-    how = max(likely.constants, key=lambda one: abs(one.change) / max(one.known_sd, 1e-300))
+    how = moved(likely.constants)
     begins = f"{likely.chapter} is off ({_percent(likely.probability)})"
     if told.verdict == "ambiguous":
         checks = {one.chapter: one.shown_by for one in told.chapters}
@@ -218,13 +232,24 @@ def _say(told: Upstream) -> list[str]:
         lines = [f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."]
         begins = f"if {likely.chapter} is off ({_percent(likely.probability)})"
     text = (
-        f"Upstream: {begins}, it is most of all {how.name}, by {how.change:.3g} ± {how.sd:.2g}; the chain, run anew, "
-        f"then misses by {error.after.rms:.3g} {error.unit} instead of {error.before.rms:.3g} {error.unit}."
+        f"Upstream: {begins}, {how}; the chain, run anew, then misses by {error.after.rms:.3g} {error.unit} instead of "
+        f"{error.before.rms:.3g} {error.unit}."
     )
     if told.written:
         what = os.path.basename(told.document) if told.document else "the model"
         text += f" {told.written} is {what} put right: {told.command}"
     return [*lines, text]
+
+
+def moved(constants: Sequence[MovedConstant]) -> str:
+    """Return which constant of a chapter is off and by how much, or between which ones these data cannot tell."""
+    ranked = sorted(constants, key=lambda one: -abs(one.change) / max(one.known_sd, 1e-300))
+    how = ranked[0]
+    others = [one for one in ranked[1:] if abs(one.change) > 0.25 * abs(how.change) * one.known_sd / how.known_sd]
+    if others and abs(how.change) < 2.0 * how.sd:
+        each = " and ".join(f"{one.name} (by {one.change:.3g} ± {one.sd:.2g})" for one in [how, *others])
+        return f"these data see {each} together and do not tell one from another"
+    return f"it is most of all {how.name}, by {how.change:.3g} ± {how.sd:.2g}"
 
 
 def _percent(probability: float) -> str:

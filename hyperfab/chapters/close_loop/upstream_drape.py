@@ -9,6 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward
 from hyperfab.chapters.close_loop.extended_sheet import drape_applied
 from hyperfab.chapters.close_loop.softening import scaled_material
@@ -119,7 +120,7 @@ class DrapeChain:
 
 
 def tracing(
-    forward: Forward, problem: DrapeProblem, share: float, out: Output
+    forward: Forward, problem: DrapeProblem, given: Given, out: Output
 ) -> Callable[[Finding, LoopDocument], list[str]]:
     """Return what traces a finding on a drape to the documents behind it."""
     files = problem.files
@@ -129,6 +130,7 @@ def tracing(
     def traced(found: Finding, result: LoopDocument) -> list[str]:
         rows = len(places)
         read = Readings(problem.measured[:rows], found.noise.sd[:rows], places, kind, found.noise.dof)
-        return add(out, result, DrapeChain(forward, problem, share), files, read, np.ones(rows, dtype=bool))
+        chain = DrapeChain(forward, problem, given.surely)
+        return add(forward.job, given, out, result, chain, files, read, np.ones(rows, dtype=bool))
 
     return traced

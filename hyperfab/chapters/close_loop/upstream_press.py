@@ -17,6 +17,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.press import closed_press, on_front
 from hyperfab.chapters.close_loop.unsure import is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
@@ -26,7 +27,6 @@ from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
 from hyperfab.chapters.press_contact.result import PressResult
-from hyperfab.chapters.press_contact.warmth import by_place
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.chapters.uncertainty.handed import Handed, join
@@ -98,10 +98,11 @@ class PressChain:
         self.origins, self.owners = Origins(), dict[str, list[int]]()
         self._own()
         self._handed()
-        near = None if by_place(self.model) else beside(self.quiet, self.model, self.closed, self.origins)
+        near = beside(self.quiet, self.model, self.closed, self.origins)
         if near is None:
             raise UsageError(
-                "--upstream: where each place has the foam's law of its own temperature nothing is traced; give one law"
+                "--upstream: molds that a field of temperature deforms are traced from a sure reference only: state "
+                f"expansion.reference in {case.foam} without its tolerance"
             )
         self.near = near
 
@@ -281,7 +282,7 @@ def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str,
 
 
 def tracing(
-    job: Job, case: PressCase, share: float, out: Output, problem: PressProblem
+    job: Job, case: PressCase, given: Given, out: Output, problem: PressProblem
 ) -> Callable[[Finding, LoopDocument], list[str]]:
     """Return what traces a finding on a press to the documents behind it; UsageError where nothing can be traced."""
     if case.zero == "hot":
@@ -291,8 +292,11 @@ def tracing(
             "--upstream traces pressure, thickness or contact at places of the closed press, and none was measured"
         )
 
+    # What cannot be traced is said before the loop is closed.
+    chain = PressChain(job, case, given.surely)
+
     def traced(found: Finding, result: LoopDocument) -> list[str]:
         readings, read = placed(problem, found.noise)
-        return add(out, result, PressChain(job, case, share), readings, read, read.kind == read.kind[0])
+        return add(job, given, out, result, chain, readings, read, read.kind == read.kind[0])
 
     return traced

@@ -46,8 +46,9 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(_noise(found, document))
     for effect in document.effects:
         values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
+        form = f"{effect.form}: {values}" if values else effect.form
         sure = strength(effect.evidence.delta_bic)
-        lines.append(f"{effect.id}: {effect.title} ({effect.form}: {values}); the evidence is {sure}.")
+        lines.append(f"{effect.id}: {effect.title} ({form}); the evidence is {sure}.")
     if document.effects:
         lines.append(f"With that it misses by {_size(document.error.after, document.error.unit)}.")
     if document.held_out is not None:

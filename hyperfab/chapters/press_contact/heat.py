@@ -42,10 +42,12 @@ class HeatInput:
 @dataclass(frozen=True)
 class Mode:
     """What a mold does with a number that its heat document hands on: its ``mean`` temperature changes [degC], and it
-    grows by ``growth`` more, None where it grows evenly."""
+    grows by ``growth`` more, None where it grows evenly; ``celsius`` is its field at the nodes of the growth's mesh,
+    None where it changes as a whole."""
 
     mean: float
     growth: Growth | None = None
+    celsius: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,17 @@ class ThermalDisplacement:
     even: bool
     celsius: Array | None = None
     modes: tuple[Mode, ...] = ()
+
+    def warmer(self, temperature: float, amounts: Array) -> ThermalDisplacement:
+        """Return the mold at another mean ``temperature`` [degC], so much of each of its modes hotter.
+
+        ``amounts`` (modes,) are those of its heat document's numbers; growth stays.
+        """
+        celsius = self.celsius
+        for by, mode in zip(amounts, self.modes, strict=True):
+            if celsius is not None and mode.celsius is not None:
+                celsius = celsius + by * mode.celsius
+        return replace(self, temperature=temperature, celsius=celsius)
 
     def surface(self, points: Array) -> Array:
         """Return the temperature (n,) [degC] at cold ``points`` (n, 3) of the mold's surface."""
@@ -131,8 +144,8 @@ def grow(
     moved, *more = deform(found.mesh, np.array(strains), mounting(found.mesh, mold.side, flat, line), poisson)
     known = f"field of {named}the heat document, thermoelastic"
     modes = tuple(
-        Mode(_mean(found.grid, by), FieldGrowth(found.mesh, found.faces, along))
-        for by, along in zip(found.by, more, strict=True)
+        Mode(_mean(found.grid, by), FieldGrowth(found.mesh, found.faces, along), at_nodes)
+        for by, along, at_nodes in zip(found.by, more, found.by_node, strict=True)
     )
     return ThermalDisplacement(
         FieldGrowth(found.mesh, found.faces, moved), mean, strain, known, False, found.celsius, modes

@@ -124,7 +124,7 @@ class Beside(Nearby):
             at=(float(at[0]), float(at[1])),
             begun=self._places.at(self._origins.amounts(changes)),
         )
-        hot = tuple(replace(one, temperature=now) for one, now in zip(model.grown, celsius, strict=True))
+        hot = tuple(one.warmer(now, by) for one, now, by in zip(model.grown, celsius, amounts, strict=True))
         return found, sandwich, replace(model, case=case, files=files, grown=(hot[0], hot[1]))
 
     def at(self, changes: Changes) -> Answer:
@@ -157,10 +157,9 @@ ROOM = "room_mm"
 
 
 def beside(job: Job, model: Model, closed: Closed, origins: Origins) -> Beside | None:
-    """Return the neighbours of a press; None where the clearance is set on the hot molds, where the foam's law is
-    read at the temperatures of molds whose heat documents hand on how sure they are, or where a field of temperature
-    deforms the molds and what it counts from is not known."""
-    if model.case.zero == "hot" or (by_place(model) and any(grown.modes for grown in model.grown)):
+    """Return the neighbours of a press; None where the clearance is set on the hot molds, or where a field of
+    temperature deforms the molds and what it counts from is not known."""
+    if model.case.zero == "hot":
         return None
     names = {number.name.partition(": ")[2] for number in origins.numbers}
     if not all(grown.even for grown in model.grown) and "expansion.reference" in names:

@@ -1,0 +1,123 @@
+"""Markers that a net does not carry, and the same fabric as a membrane does: what lacks is how warp and weft couple."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from hyperfab.chapters.close_loop.describe import errors_of
+from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.close_loop.drape import Forward, pose_sheet
+from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, apart_of, close_rounds
+from hyperfab.chapters.close_loop.readings import Files
+from hyperfab.chapters.close_loop.words import delivered_of
+from hyperfab.chapters.validity import Ranges
+from hyperfab.documents.loop import AddedEffect, Evidence, LoopDocument
+from hyperfab.errors import HyperfabError
+from hyperfab.loop.drape import DrapeProblem, Markers, drape_problem
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.judge import Candidate
+from hyperfab.loop.search import Search
+
+#: What a membrane leaves, over what the net does with all that was added, where coupling is looked for.
+_COUPLED = 0.8
+COUPLING = "biaxial-coupling"
+
+
+def membrane_of(forward: Forward) -> Forward:
+    """Return the same fabric as a membrane."""
+    job = replace(forward.job, ranges=Ranges())
+    return Forward(job, replace(forward.case, sheet="membrane"), forward.material)
+
+
+def misses(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding) -> float | None:
+    """Return what the fabric's own law as a membrane leaves of the markers as it is (rms) [mm]; None where the net
+    carries them, or leaves as little, or the membrane finds no rest; and where the sheet is no net of a known law.
+
+    How warp and weft answer to each other has no amount that could be added to springs: it is another sheet.
+    """
+    if found.verdict != "unexplained" or forward.sheet.membrane is not None or forward.material is None:
+        return None
+    coupled = membrane_of(forward)
+    try:
+        places = coupled.nodes(np.ones(len(coupled.names)), {}, (forward.sheet.n, forward.sheet.m))
+    except HyperfabError:
+        return None
+    posed = drape_problem(replace(problem.draped, base=places), files)
+    rows = slice(posed.curves[-1].start)  # the last is what is known of the constants
+    given = np.array([one.value for one in posed.own])
+    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
+    net = float(np.sqrt(np.mean((found.after.fit.predicted - problem.measured)[rows] ** 2)))
+    return left if left < _COUPLED * net else None
+
+
+def said_of_membrane(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding) -> list[str]:
+    """Return what is to be said of the membrane where neither it nor the net leaves noise."""
+    left = misses(forward, problem, files, found)
+    if left is None:
+        return []
+    return [
+        f"As a membrane, its law coupling warp and weft, the same fabric misses by {left:.3g} mm as it is: "
+        f"{COUPLING} is lacking. Drape it with --sheet membrane, and close the loop on that."
+    ]
+
+
+def instead_of_net(
+    forward: Forward,
+    files: Files[Markers],
+    given: Given,
+    extend: Callable[[Forward, DrapeProblem, Finding], Extension],
+    upstream: Callable[[Forward, DrapeProblem], Traces],
+) -> Callable[[DrapeProblem, Finding, Ticks], Instead[DrapeProblem] | None]:
+    """Return what closes the loop on the same fabric as a membrane, where markers are not a net's but nearer to it."""
+
+    def closed(problem: DrapeProblem, found: Finding, tick: Ticks) -> Instead[DrapeProblem] | None:
+        if misses(forward, problem, files.plain, found) is None:
+            return None
+        coupled = membrane_of(forward)
+        draped = pose_sheet(coupled, lambda share: tick("the fabric as a membrane"))
+        posed = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
+        posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=apart_of(files))
+        if other.verdict == "unexplained":
+            return None
+        own = found.before.fit.x[: found.before.fit.own]
+        before = Candidate(problem, other.noise, fit(problem, other.noise, {}, own, iterations=0))
+        gained = Search(posed, other.noise).evidence(before, other.after)
+        verdict = "effect" if other.verdict == "noise" else other.verdict
+        told = replace(other, verdict=verdict, before=before, added={COUPLING: gained, **other.added})
+        return Instead(
+            posed,
+            told,
+            lambda finding: extend(coupled, posed, finding),
+            upstream(coupled, posed),
+            lambda result: _tell(result, problem, posed, told),
+        )
+
+    return closed
+
+
+def _tell(result: LoopDocument, net: DrapeProblem, posed: DrapeProblem, found: Finding) -> None:
+    """Say of a finding on a membrane that it stands for a net: with coupling as the first that is added."""
+    effect, gained = posed.effect(COUPLING), found.added[COUPLING]
+    evidence = Evidence(
+        delta_bic=gained.delta_bic,
+        variance_share=gained.variance_share,
+        held_out_share=gained.help.taken if gained.help is not None else None,
+        tests_helped=gained.help.helped if gained.help is not None else None,
+    )
+    result.effects.insert(
+        0,
+        AddedEffect(
+            id=COUPLING, title=effect.title, form="membrane", source=effect.source, parameters={}, evidence=evidence
+        ),
+    )
+    for row in result.candidates:
+        if row.id == COUPLING:
+            row.not_sought = None
+    first = net.channel == 0
+    delivered = delivered_of(net)[first]
+    sd = found.noise.sd[first]
+    result.error.delivered = errors_of(net.measured[first], delivered, delivered, sd, net.units[0]).before
