@@ -181,6 +181,22 @@ def test_documents_made_unsure_are_sound_and_keep_what_they_state() -> None:
 
 
 @pytest.mark.slow
+def test_what_foam_may_stand_for_is_told(hf: Run, tmp_path: Path) -> None:
+    """How the drape's sheet was mounted is no chapter of a press; a press without a drape leaves nothing of it out."""
+    for name, data in {**molds(), "fabric.json": fabric(Truth()), "foam.toml": foam(Truth())}.items():
+        (tmp_path / name).write_bytes(data)
+    assert hf("drape", *DRAPE, "-o", "drape.json", cwd=tmp_path).returncode == 0
+    for name, more in (("with.json", ("--drape", "drape.json")), ("without.json", ())):
+        assert hf("press-contact", *PLAIN, *more, "-o", name, cwd=tmp_path).returncode == 0
+        field = {"press.vtu": (tmp_path / name).with_suffix(".vtu").read_bytes()}
+        (tmp_path / "film.csv").write_bytes(film(field, np.random.default_rng(2), NOISE))
+        done = hf("close-loop", name, "film.csv", "--upstream", "-o", "loop.json", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr.decode()
+        told = json.loads((tmp_path / "loop.json").read_text())["upstream"]["left_out"]
+        assert any("drape's own set-up" in one for one in told) == bool(more)
+
+
+@pytest.mark.slow
 def test_the_chapter_is_named_of_drawn_chains(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One truth of each kind, by film or by markers; and nothing off. Nine of ten are named alone or in the set."""
     monkeypatch.chdir(tmp_path)

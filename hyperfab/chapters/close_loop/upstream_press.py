@@ -82,6 +82,16 @@ class PressChain:
         self.behind = list(self._documents())
         self.sources = {one.chapter: one.source for one in reversed(self.behind)}
         self.left_out: list[str] = []
+        if case.drape is not None:
+            self.left_out.append(
+                "the drape's own set-up: how its sheet was mounted, and what it rubs on, are taken as they are; foam may "
+                "stand for a sheet that was stretched otherwise. Mark the sheet, and trace the drape"
+            )
+        if sum("temperature" in chapter for chapter in self.sources) > 1:
+            self.left_out.append(
+                "both molds off together, by the room or by what feeds both: each is looked at by itself; foam may stand "
+                "for that"
+            )
         #: The sandwich as it is, with a place for all that may be off.
         self.foam: dict[str, bytes] = {}
         given: dict[str, bytes] = {}
