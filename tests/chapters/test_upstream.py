@@ -197,6 +197,46 @@ def test_what_foam_may_stand_for_is_told(hf: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_heat_document_that_hands_nothing_on_is_told(hf: Run, tmp_path: Path) -> None:
+    """A steady run tells no field with its inputs: without its chapter, that has to be said."""
+    for name, data in {**molds(), "fabric.json": fabric(Truth()), "foam.toml": foam(Truth())}.items():
+        (tmp_path / name).write_bytes(data)
+    mold = """format = "hyperfab.mold/1"
+[material.aluminium]
+density = "2702 kg/m^3"
+conductivity = "237 W/m/K"
+specific_heat = "903 J/kg/K"
+[[part]]
+name = "block"
+material = "aluminium"
+box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["100 mm", "80 mm", "20 mm"] }
+[[heater]]
+on = "block.z-"
+power = "60 W +- 5 %"
+[[convection]]
+on = "exposed"
+h = "12 W/m^2/K"
+ambient = "25 degC"
+[run]
+start = "25 degC"
+steady = true
+mesh_size = "40 mm"
+"""
+    (tmp_path / "mold.toml").write_text(mold)
+    assert hf("mold-heat", "mold.toml", "-o", "heat.json", cwd=tmp_path).returncode == 0
+    words = [word for word in PLAIN if word not in ("--temperature", "180degC")]
+    words += ["--male-heat", "heat.json", "--female-heat", "heat.json"]
+    assert hf("press-contact", *words, "-o", "press.json", cwd=tmp_path).returncode == 0
+    field = {"press.vtu": (tmp_path / "press.vtu").read_bytes()}
+    (tmp_path / "film.csv").write_bytes(film(field, np.random.default_rng(2), NOISE))
+    done = hf("close-loop", "press.json", "film.csv", "--upstream", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    told = json.loads((tmp_path / "loop.json").read_text())["upstream"]
+    assert "temperature" not in told["probability"]
+    assert "heat.json: how its field goes with its inputs" in told["left_out"]
+
+
+@pytest.mark.slow
 def test_the_chapter_is_named_of_drawn_chains(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One truth of each kind, by film or by markers; and nothing off. Nine of ten are named alone or in the set."""
     monkeypatch.chdir(tmp_path)

@@ -84,13 +84,13 @@ class PressChain:
         self.left_out: list[str] = []
         if case.drape is not None:
             self.left_out.append(
-                "the drape's own set-up: how its sheet was mounted, and what it rubs on, are taken as they are; foam may "
-                "stand for a sheet that was stretched otherwise. Mark the sheet, and trace the drape"
+                "the drape's own set-up: how its sheet was mounted, and what it rubs on, are taken as they are; foam "
+                "may stand for a sheet that was stretched otherwise. Mark the sheet, and trace the drape"
             )
         if sum("temperature" in chapter for chapter in self.sources) > 1:
             self.left_out.append(
-                "both molds off together, by the room or by what feeds both: each is looked at by itself; foam may stand "
-                "for that"
+                "both molds off together, by the room or by what feeds both: each is looked at by itself; foam may "
+                "stand for that"
             )
         #: The sandwich as it is, with a place for all that may be off.
         self.foam: dict[str, bytes] = {}
@@ -183,6 +183,8 @@ class PressChain:
             known = len(self.origins.found)
             join(self.origins, self.quiet.inputs, [one.file])
             self.owners.setdefault(one.chapter, []).extend(range(known, len(self.origins.found)))
+        # A document that hands nothing on, as one of a steady run, cannot be at fault here.
+        self.left_out += self.origins.left_out
 
     def _add(self, chapter: str, one: Origin) -> None:
         self.owners.setdefault(chapter, []).append(len(self.origins.found))
