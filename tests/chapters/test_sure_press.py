@@ -119,7 +119,7 @@ h = "12 W/m^2/K +- 5 %"
 ambient = "25 degC"
 [run]
 start = "25 degC"
-steady = true
+until = "900 s"
 mesh_size = "40 mm"
 """
 
@@ -144,8 +144,9 @@ def test_foam_between_molds_of_heat_documents_goes_with_what_these_hand_on(
     monkeypatch.setattr(nearby, "beside", lambda *given: None)
     anew = sds(pressed("plate", *words, foam=SOFTENING))
     assert set(near) == set(anew)
-    for name, sd in anew.items():
-        assert near[name] == pytest.approx(sd, rel=0.02), name
+    # Both plates end at one edge: whether its rim counts as touched jumps as one outgrows the other.
+    for name in set(anew) - {"contact_fraction", "contact_area_mm2"}:
+        assert near[name] == pytest.approx(anew[name], rel=0.005), name
 
 
 def test_no_press_is_closed_again_for_its_neighbours(monkeypatch: pytest.MonkeyPatch) -> None:
