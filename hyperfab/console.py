@@ -24,7 +24,7 @@ from hyperfab.system import ALARM, alarm
 #: Where numba unpickles what it needs to box the result of a compiled function.
 _CONVERTS = os.path.join("numba", "core", "serialize.py")
 
-#: Off a terminal a long run says how far it has come after this time [s], and again each time.
+#: On a terminal that draws no bar a long run says how far it has come after this time [s], and again each time.
 EVERY_S = 60.0
 #: After this time [s] of work a run tells its size and how long it goes on, where that is at least so long [s].
 MEASURED_S, LONG_S = 3.0, 30.0
@@ -83,6 +83,11 @@ class Console:
         for text in () if self.quiet else texts:
             self._line(text)
 
+    def passing(self, text: str) -> None:
+        """Say what is of use only while the work goes on, to who sits before it: as progress, on a terminal alone."""
+        if sys.stderr.isatty():
+            self.note(text)
+
     def table(self, title: str, columns: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
         """Show a small table: the first column left-aligned, the others right-aligned."""
         if self.quiet:
@@ -105,7 +110,7 @@ class Console:
 
     @contextlib.contextmanager
     def progress(self, description: str, size: str = "", *, paced: bool = True) -> Iterator[Advance]:
-        """Show how far a long piece of work has come: a bar on a terminal, elsewhere a line a minute.
+        """Show how far a long piece of work has come: a bar; on a dumb terminal a line a minute, off one nothing.
 
         Where it will be long its ``size`` is told first, and about how long it goes on by the pace of its beginning;
         not of what is not ``paced``, whose fractions only say that it lives.
@@ -113,10 +118,10 @@ class Console:
         >>> with Console().progress("Warming up") as advance:
         ...     advance(0.5, "100 degC")
         """
-        if self.quiet:
+        if self.quiet or not sys.stderr.isatty():
             yield lambda fraction, text="": None
             return
-        if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        if os.environ.get("TERM") == "dumb":
             forecast = self._forecast(description, size, self._line) if paced else None
             yield self._now_and_then(description, forecast)
             return
@@ -178,7 +183,7 @@ class Console:
         return forecast
 
     def _now_and_then(self, description: str, forecast: Callable[[float, float], None] | None) -> Advance:
-        """Say once in ``EVERY_S`` how far the work has come: a log shows that it lives, a short run says nothing.
+        """Say once in ``EVERY_S`` how far the work has come; a short run says nothing.
 
         How long it took alone where there is no ``forecast``.
         """

@@ -217,7 +217,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             strict=bool(context.params["strict"]),
             sums_up=_sums_up(context),
         )
-        compiling.announced_by(lambda: job.console.note(_COMPILING))
+        compiling.announced_by(lambda: job.console.passing(_COMPILING))
         status = run(job, asked(job, cls, given, context.params.get("like")))
         job.console.count()
         return status

@@ -111,11 +111,13 @@ def test_full_disk_behind_standard_output_is_status_5(arguments: list[str], root
     assert b"Traceback" not in done.stderr
 
 
-def test_a_long_run_off_a_terminal_says_once_a_minute_how_far_it_is(monkeypatch, capfd) -> None:
+def test_a_long_run_on_a_dumb_terminal_says_once_a_minute_how_far_it_is(monkeypatch, capfd) -> None:
     from hyperfab import console
 
     clock = iter([0.0, 10.0, 59.0, 61.0, 62.0, 122.0, 130.0])
     monkeypatch.setattr(console.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "dumb")
     with console.Console().progress("Heating the mold") as advance:
         for done in range(6):
             advance(0.1 * done, f"{done} s")
@@ -142,17 +144,17 @@ def test_a_long_run_off_a_terminal_says_once_a_minute_how_far_it_is(monkeypatch,
         ([1.0, 1.1, 1.2], []),
     ],
 )
-@pytest.mark.parametrize("terminal", [False, True])
+@pytest.mark.parametrize("dumb", [False, True])
 def test_a_long_run_says_first_its_size_and_how_long_it_takes(
-    monkeypatch, capfd, terminal: bool, seconds: list[float], said: list[str]
+    monkeypatch, capfd, dumb: bool, seconds: list[float], said: list[str]
 ) -> None:
     from hyperfab import console
 
     now = [0.0]
     monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
     monkeypatch.setattr(console, "EVERY_S", 1000.0)
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
-    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "dumb" if dumb else "xterm")
     with console.Console().progress("Heating the mold", "94528 unknowns") as advance:
         advance(0.0)
         for count, second in enumerate(seconds, 1):
@@ -163,21 +165,45 @@ def test_a_long_run_says_first_its_size_and_how_long_it_takes(
     assert lines == said
 
 
-@pytest.mark.parametrize("terminal", [False, True])
-def test_what_has_no_pace_is_given_no_forecast(monkeypatch, capfd, terminal: bool) -> None:
+@pytest.mark.parametrize("paced", [False, True])
+def test_off_a_terminal_a_long_run_says_nothing_of_its_progress(monkeypatch, capfd, paced: bool) -> None:
     from hyperfab import console
 
     now = [0.0]
     monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal)
-    monkeypatch.setenv("TERM", "xterm")
+    shown = console.Console()
+    shown.passing("compiling")
+    with shown.progress("Heating the mold", "94528 unknowns", paced=paced) as advance:
+        for step in range(100):
+            now[0] = 10.0 * step
+            advance(0.01 * step, "100 degC")
+    assert capfd.readouterr().err == ""
+
+
+def test_what_passes_is_said_on_a_terminal_that_is_not_quiet(monkeypatch, capfd) -> None:
+    from hyperfab import console
+
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    console.Console(quiet=True).passing("compiling")
+    console.Console().passing("compiling")
+    assert capfd.readouterr().err == "compiling\n"
+
+
+@pytest.mark.parametrize("dumb", [False, True])
+def test_what_has_no_pace_is_given_no_forecast(monkeypatch, capfd, dumb: bool) -> None:
+    from hyperfab import console
+
+    now = [0.0]
+    monkeypatch.setattr(console.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("TERM", "dumb" if dumb else "xterm")
     with console.Console().progress("Meshing the mold", paced=False) as advance:
         for second in range(0, 70, 2):
             now[0] = float(second)
             advance(second / (second + 5.0))
     shown = capfd.readouterr().err
     assert "pace" not in shown
-    assert terminal or shown.splitlines() == ["Meshing the mold: after 1 min"]
+    assert not dumb or shown.splitlines() == ["Meshing the mold: after 1 min"]
 
 
 @pytest.mark.parametrize("plain", [False, True])

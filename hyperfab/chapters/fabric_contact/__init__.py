@@ -91,7 +91,7 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
                 if path.states:
                     last = path.states[-1]
                     reached = f"force {last.force:.3g} N at {last.depth:g} mm"
-                    job.console.note(f"{fabric.name}: {reached}, before meshes fitted to the contact")
+                    job.console.passing(f"{fabric.name}: {reached}, before meshes fitted to the contact")
 
         def pressed(depths: Sequence[float]) -> list[Outcome]:
             if setup.friction.remembers:
