@@ -43,15 +43,15 @@ class Part(BaseModel):
 
 class OrShort:
     """Lets the JSON Schema of a field take its short form too, which a validator writes out: one of a list, or what
-    ``short`` describes.
+    types ``short`` is of.
     """
 
-    def __init__(self, short: str | None = None) -> None:
+    def __init__(self, *short: str) -> None:
         self.short = short
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
         full = handler(core)
-        return {"anyOf": [full["items"] if self.short is None else {"type": self.short}, full]}
+        return {"anyOf": [*({"type": short} for short in self.short), full] if self.short else [full["items"], full]}
 
 
 class Section(BaseModel):

@@ -9,7 +9,6 @@ from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, Wi
 from hyperfab.documents.base import HandWritten, MisfitError, OrShort, Section, optional
 from hyperfab.documents.press_terms import Poisson, PressSection, Relaxation, Variation
 from hyperfab.documents.quantity import (
-    TABLE_FILE,
     ConstantConductivity,
     ConstantSpecificHeat,
     ContactConductance,
@@ -17,6 +16,8 @@ from hyperfab.documents.quantity import (
     Expansion,
     PositiveLength,
     Rate,
+    Share,
+    Shrunk,
     Stress,
     TableFile,
     Temperature,
@@ -166,27 +167,13 @@ class Shrinkage(Section):
     compression under the mold it springs back by ``recovery``; where that is not given, nothing says what stays.
     """
 
-    amount: Annotated[
-        float | TableFile,
-        BeforeValidator(lambda v: TableFile.model_validate(v) if isinstance(v, dict) else v),
-        WithJsonSchema(
-            {
-                "anyOf": [
-                    {"type": "number", "minimum": 0, "maximum": 0.9},
-                    TABLE_FILE,
-                ],
-                "description": "share of the thickness, or a table: temperature [degC], shrinkage [-]",
-            }
-        ),
-    ] = 0.0
+    amount: Shrunk = 0.0
     time: Time | None = None
     dwell: Time | None = None
-    recovery: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    recovery: Share | None = None
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Shrinkage:
-        if isinstance(self.amount, float) and not 0.0 <= self.amount <= 0.9:
-            raise ValueError("amount is a share of the thickness, between 0 and 0.9")
         if (self.time is None) != (self.dwell is None):
             raise ValueError("time and dwell belong together: how fast the foam shrinks, and how long it is pressed")
         return self
@@ -219,7 +206,7 @@ _SETS: dict[str, type[Section]] = {
 def _set(value: object) -> object:
     """Choose the kind of set law by its key, so that the message speaks of that law alone."""
     if not isinstance(value, dict):
-        return value
+        return parsed("dimensionless", 0.0, most=1.0)(value) if isinstance(value, int | float | str) else value
     key = next((key for key in _SETS if key in value), None)
     if key is None:
         raise ValueError(
@@ -248,7 +235,7 @@ def in_full(plain: dict[str, Any]) -> dict[str, Any]:
     found = dict(plain)
     if isinstance(law, str):
         found["compression"] = {"material" if law.endswith(".json") else "table": law}
-    if isinstance(taken, int | float) and not isinstance(taken, bool):
+    if isinstance(taken, int | float | str) and not isinstance(taken, bool):
         found["shrinkage"] = {"amount": taken}
     return found
 
@@ -267,10 +254,10 @@ class FoamDocument(HandWritten):
     contact_conductance: ContactConductance | None = None
     fabric: Fabric = Fabric()
     set: Annotated[
-        Annotated[float, Field(ge=0.0, le=1.0)] | TableFile | MeasuredSet | ArrheniusSet | None,
+        Share | TableFile | MeasuredSet | ArrheniusSet | None,
         BeforeValidator(_set),
     ] = None
-    shrinkage: Annotated[Shrinkage, OrShort("number")] = Shrinkage()
+    shrinkage: Annotated[Shrinkage, OrShort("number", "string")] = Shrinkage()
     relaxation: Relaxation = Relaxation()
     variation: Variation = Variation()
     expansion: ExpansionSection = ExpansionSection()

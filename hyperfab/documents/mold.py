@@ -19,6 +19,7 @@ from hyperfab.documents.quantity import (
     HeldTemperature,
     PositiveLength,
     Power,
+    Share,
     SpecificHeat,
     Temperature,
     TemperatureDifference,
@@ -125,7 +126,7 @@ class RadiationSection(Section):
     """Faces that radiate to large surroundings."""
 
     on: Places
-    emissivity: Annotated[float, Field(ge=0.0, le=1.0)]
+    emissivity: Share
     ambient: HeldTemperature
 
 

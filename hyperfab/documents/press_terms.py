@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from hyperfab.documents.base import OrShort, Section
-from hyperfab.documents.quantity import Angle, Shift, Stiffness, Time
+from hyperfab.documents.quantity import Angle, FoamRatio, MoldRatio, Shift, Stiffness, Time
 
 #: A press further out of parallel is broken, or the angle is a slip of the pen.
 MOST_TILT_DEG = 5.0
@@ -50,16 +50,16 @@ class PoissonRatios(Section):
     """Poisson's ratios: of the foam, for its thinning where a drape stretches it; of the molds, for their deformation
     by an uneven temperature. A number alone is the foam's."""
 
-    foam: Annotated[float, Field(gt=-1.0, le=0.5)] | None = None
-    male: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
-    female: Annotated[float, Field(ge=0.0, le=0.49)] = 0.33
+    foam: FoamRatio | None = None
+    male: MoldRatio = 0.33
+    female: MoldRatio = 0.33
 
 
 def _of_foam(value: object) -> object:
-    return {"foam": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+    return {"foam": value} if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
-Poisson = Annotated[PoissonRatios, BeforeValidator(_of_foam), OrShort("number")]
+Poisson = Annotated[PoissonRatios, BeforeValidator(_of_foam), OrShort("number", "string")]
 
 
 def _list(value: object) -> object:

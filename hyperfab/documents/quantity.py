@@ -12,8 +12,11 @@ from hyperfab.errors import InputError
 from hyperfab.io.units import KINDS, quantity, tolerance, worded
 
 
-def parsed(kind: str, least: float | None = None, open_end: bool = False) -> Callable[[object], float]:
-    """Return a validator that reads a quantity of ``kind`` and refuses values below ``least`` (or at it)."""
+def parsed(
+    kind: str, least: float | None = None, open_end: bool = False, most: float | None = None
+) -> Callable[[object], float]:
+    """Return a validator that reads a quantity of ``kind`` and refuses values below ``least`` (or at it) and above
+    ``most``."""
 
     def read(value: object) -> float:
         try:
@@ -22,30 +25,49 @@ def parsed(kind: str, least: float | None = None, open_end: bool = False) -> Cal
             raise ValueError(f"{error.message}" + (f"; {error.remedy}" if error.remedy else "")) from None
         if least is not None and (found < least or (open_end and found == least)):
             bound = "must be greater than" if open_end else "must not be less than"
-            raise ValueError(f"{value}: {bound} {least:g} {KINDS[kind].unit}")
+            raise ValueError(f"{value}: {bound} {_shown(least, kind)}")
+        if most is not None and found > most:
+            raise ValueError(f"{value}: must not be more than {_shown(most, kind)}")
         return found
 
     return read
 
 
+def _shown(bound: float, kind: str) -> str:
+    return f"{bound:g} {KINDS[kind].unit}".removesuffix(" 1")
+
+
+def _text(kind: str) -> Callable[[float], Any]:
+    """Return what writes a number back: text in the canonical unit, a number where there is none."""
+    unit = KINDS[kind].unit
+    return lambda value: worded(value, unit) if unit != "1" or tolerance(value) else value
+
+
 def written(kind: str) -> PlainSerializer:
     """Return the serializer that writes the number back as text in the canonical unit."""
-    unit = KINDS[kind].unit
-    return PlainSerializer(
-        lambda value: worded(value, unit) if unit != "1" or tolerance(value) else value, return_type=Any
-    )
+    return PlainSerializer(_text(kind), return_type=Any)
 
 
-def _field(kind: str, least: float | None = None, open_end: bool = False, *, example: str | None = None) -> Any:
+def _schema(kind: str, least: float | None, open_end: bool, most: float | None, example: str | None) -> dict[str, Any]:
+    if kind != "dimensionless":
+        return {"type": "string", "examples": [example or KINDS[kind].example]}
+    bounds = {"exclusiveMinimum" if open_end else "minimum": least, "maximum": most}
+    known = {name: bound for name, bound in bounds.items() if bound is not None}
+    return {"type": ["number", "string"], **known, "examples": [0.3, "0.3 +- 0.05"]}
+
+
+def _field(
+    kind: str,
+    least: float | None = None,
+    open_end: bool = False,
+    *,
+    most: float | None = None,
+    example: str | None = None,
+) -> Any:
     article = "an" if kind[0] in "aeiou" else "a"
-    shown = {
-        "type": "string",
-        "description": f"{article} {kind.replace('-', ' ')} with its unit",
-        "examples": [example or KINDS[kind].example],
-    }
-    if kind == "dimensionless":
-        shown = {"type": ["number", "string"], "description": "a number"}
-    return Annotated[float, PlainValidator(parsed(kind, least, open_end)), written(kind), WithJsonSchema(shown)]
+    said = f"{article} {kind.replace('-', ' ')} with its unit" if kind != "dimensionless" else "a number, or text"
+    shown = {"description": said, **_schema(kind, least, open_end, most, example)}
+    return Annotated[float, PlainValidator(parsed(kind, least, open_end, most)), written(kind), WithJsonSchema(shown)]
 
 
 class TableFile(Section):
@@ -63,11 +85,11 @@ def _value_or_table(
     least: float | None = None,
     open_end: bool = False,
     *,
+    most: float | None = None,
     said: str | None = None,
     example: str | None = None,
 ) -> Any:
-    read = parsed(kind, least, open_end)
-    unit = KINDS[kind].unit
+    read, text = parsed(kind, least, open_end, most), _text(kind)
 
     def validate(value: object) -> float | TableFile:
         if isinstance(value, TableFile):
@@ -79,14 +101,11 @@ def _value_or_table(
         return read(value)
 
     def write(value: float | TableFile) -> Any:
-        return {"table": value.table} if isinstance(value, TableFile) else worded(value, unit)
+        return {"table": value.table} if isinstance(value, TableFile) else text(value)
 
     shown = {
         "description": said or f"a {kind.replace('-', ' ')} with its unit, or a table",
-        "anyOf": [
-            {"type": "string", "examples": [example or KINDS[kind].example]},
-            TABLE_FILE,
-        ],
+        "anyOf": [_schema(kind, least, open_end, most, example), TABLE_FILE],
     }
     return Annotated[
         float | TableFile,
@@ -112,6 +131,11 @@ Rate = _field("rate", 0.0, open_end=True)
 Stress = _field("stress", 0.0, open_end=True)
 Stiffness = _field("stiffness", 0.0, open_end=True, example="50 kN/mm")
 
+#: Numbers without a unit, as 0.8, or as text, which may state a standard deviation: "0.8 +- 0.05".
+Share = _field("dimensionless", 0.0, most=1.0)
+FoamRatio = _field("dimensionless", -1.0, True, most=0.5)
+MoldRatio = _field("dimensionless", 0.0, most=0.49)
+
 ConstantConductivity = _field("conductivity", 0.0, open_end=True)
 ConstantSpecificHeat = _field("specific-heat", 0.0, open_end=True)
 
@@ -130,4 +154,10 @@ Expansion = _value_or_table(
     "thermal-expansion",
     0.0,
     said="mean coefficient from the reference temperature on, or a table of it against temperature",
+)
+Shrunk = _value_or_table(
+    "dimensionless",
+    0.0,
+    most=0.9,
+    said="share of the thickness, or a table: temperature [degC], shrinkage [-]",
 )

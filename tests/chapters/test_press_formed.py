@@ -216,7 +216,7 @@ def test_what_no_gap_forms_is_told_and_is_not_called_done(cups, monkeypatch, mor
         (LAW, {"wanted": "3mm", "dwell": "5s", "compensate": True, "tilt": "0.05deg,0deg"}, "in parallel"),
         ("", {"wanted": "3mm", "dwell": "5s"}, "what stays"),
         (LAW, {"wanted": "3", "dwell": "5s"}, "unit|--wanted"),
-        ("set = 1.2\n", {}, "less than or equal to 1"),
+        ("set = 1.2\n", {}, "not be more than 1"),
         ("set = { activation = \"95 kJ\", rate = \"1 1/s\" }\n", {}, "a mole"),
         ("set = { name = 3 }\n", {}, "measured"),
         ("set = 0.5\nshrinkage = { recovery = 0.5 }\n", {}, "one of them"),

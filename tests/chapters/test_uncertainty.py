@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -387,6 +388,29 @@ def test_a_press_goes_with_its_foam(made: Any) -> None:
     found = made((*PRESS, "--uncertainty", "linear"), foam_toml=foam)
     assert relative(found, "force_N") == pytest.approx(0.1, rel=1e-6)
     assert "contact_fraction" not in found["uncertainty"]["quantities"]
+
+
+@pytest.mark.parametrize("written", ['"0.05 +- 0.01"', '{ amount = "0.05 ± 20 %" }'])
+def test_a_press_goes_with_a_share_of_its_foam(made: Any, written: str) -> None:
+    """Plates on a linear foam: the force is proportional to 1 - gap / (thickness (1 - shrinkage))."""
+
+    def pressed(shrinkage: str) -> Any:
+        return made((*PRESS, "--uncertainty", "linear"), foam_toml=f"{FOAM}shrinkage = {shrinkage}\n".encode())
+
+    low, high = (pressed(each)["force_N"] for each in ("0.0499", '"5.01 %"'))
+    band = pressed(written)["uncertainty"]["quantities"]["force_N"]
+    assert band["sd"] == pytest.approx((low - high) / 0.0002 * 0.01, rel=1e-3)
+    assert [each["share"] for each in band["budget"]] == [pytest.approx(1.0)]
+
+
+def test_a_mold_goes_with_its_emissivity(made: Any) -> None:
+    """Hot and insulated but for its radiation: heat lost is proportional to the emissivity, as it cools by little."""
+    mold = INSULATED.replace('start = "25 degC"', 'start = "200 degC"').replace("3000 W", "0 W")
+    mold = mold.replace('target = "200 degC"', 'until = "20 s"')
+    mold += '[[radiation]]\non = "exposed"\nemissivity = "0.8 +- 0.05"\nambient = "25 degC"\n'
+    found = made(("mold-heat", "plate.toml"), plate_toml=mold.encode())
+    assert relative(found, "energy.lost_J") == pytest.approx(0.05 / 0.8, rel=1e-2)
+    jsonschema.validate(tomllib.loads(mold), schema("mold"))
 
 
 def test_the_set_up_keeps_tolerances_and_gives_them_back(made: Any, folder: Path) -> None:

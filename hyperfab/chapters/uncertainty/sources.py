@@ -220,9 +220,11 @@ def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
     written = document.model_dump(mode="json", by_alias=True)
     alike: dict[Any, tuple[float, list[Entry]]] = {}
     for place, value in _stated(document):
+        unit = re.split(r" \+- ", str(inside(written, place)))[0].partition(" ")[2]
+        if _there(plain, place[:-1]) and isinstance(inside(plain, place[:-1]), str):  # the short form of a section
+            place = place[:-1]
         if not _there(plain, place):
             continue
-        unit = re.split(r" \+- ", str(inside(written, place)))[0].partition(" ")[2]
         entry = Entry(file, place, float(value), unit)
         key = (float(value), value.sd) if place[-1] in _SHARED else place
         alike.setdefault(key, (tolerance(value), []))[1].append(entry)
