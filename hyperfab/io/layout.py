@@ -89,7 +89,12 @@ def layout(
         raise UsageError(f"--skip-rows {skip_rows}: a number of lines, as 12")
     if decimal is not None and decimal not in (".", ","):
         raise UsageError(f"--decimal {decimal}: the decimal mark is . or ,")
-    return Layout(tuple(one for text in columns for one in _choices(text, own)), skip_rows, decimal)
+    found = tuple(dict.fromkeys(one for text in columns for one in _choices(text, own)))
+    titles = [one.title for one in found]
+    twice = next((title for title in titles if titles.count(title) > 1), None)
+    if twice is not None:
+        raise UsageError(f"--columns: {twice} is said to be two things; a column is one")
+    return Layout(found, skip_rows, decimal)
 
 
 def _choices(text: str, own: Sequence[str]) -> list[Choice]:

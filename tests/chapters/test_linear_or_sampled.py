@@ -44,7 +44,7 @@ def test_a_figure_that_bends_where_the_first_one_does_not_is_sampled(
     """The first figure goes straight with x alone, the other is asked along what it goes with itself."""
 
     class Beside:
-        samples, step = 400, 1.0
+        samples, step, undrawn = 400, 1.0, {}  # type: ignore[var-annotated]
 
         def blur(self, name: str) -> float:
             return blur

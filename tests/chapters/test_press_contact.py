@@ -272,6 +272,8 @@ def test_drape_thins_incompressible_foam_as_all_layers_before(shop, monkeypatch)
         ('compression = "foam.csv"', 'compression = { table = "foam.csv" }'),
         ('compression = "foam.json"', 'compression = { material = "foam.json" }'),
         ("shrinkage = 0.05", "shrinkage = { amount = 0.05 }"),
+        ('shrinkage = "5 %"', "shrinkage = { amount = 0.05 }"),
+        ('poisson = "30 %"', "poisson = { foam = 0.3 }"),
     ],
 )
 def test_short_forms_of_the_foam_are_the_full_ones(shop, monkeypatch, short, full):
@@ -287,6 +289,12 @@ def test_short_forms_of_the_foam_are_the_full_ones(shop, monkeypatch, short, ful
     given = {"gap": "3mm", "temperature": "20degC"}
     one, other = (press(shop, monkeypatch, foam=f"{name}.toml", **given)[1] for name in ("short", "full"))
     assert one["force_N"] == other["force_N"] > 0.0
+
+
+def test_a_material_of_a_newer_hf_is_refused_as_foam_by_its_version(shop, monkeypatch):
+    (shop / "newer.json").write_text(json.dumps({"format": "hyperfab.material/9", "model": "hyperfoam-1"}))
+    with pytest.raises(InputError, match="has version 9 of the format"):
+        press(shop, monkeypatch, gap="3mm", foam="newer.json")
 
 
 def test_shrunk_foam_touches_less_and_stays_thinner(shop, monkeypatch):

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.layout import layout
 from hyperfab.io.rows import MAX_ROWS
@@ -226,3 +226,10 @@ def test_a_loggers_clock_is_the_time_whatever_it_is_called(head, moments) -> Non
 def test_a_date_alone_is_no_time() -> None:
     with pytest.raises(InputError, match="has no column time"):
         read_table(b"Datum;T [degC]\n14.03.2025;20\n15.03.2025;21\n", "log.csv", {"time": "time"}, rest="temperature")
+
+
+@pytest.mark.parametrize("columns", [["Kraft=force [N],Kraft=extension [mm]"], ["Kraft=force [N]", "Kraft=force [kN]"]])
+def test_a_column_that_is_said_to_be_two_things_is_refused(columns: list[str]) -> None:
+    with pytest.raises(UsageError, match="Kraft is said to be two things"):
+        layout(columns)
+    assert len(layout(["Kraft=force [N],Weg=extension [mm]", "Kraft=force [N]"]).columns) == 2

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import ClassVar
+
 import numpy as np
 
 from hyperfab.arrays import Array
@@ -39,6 +42,10 @@ class Beside(Nearby):
     """What the figures become beside an equilibrium without friction, on its mesh."""
 
     samples = 400
+    #: On one mesh the edge of contact jumps as nodes come to touch, by more than it moves.
+    undrawn: ClassVar[Mapping[str, str]] = {
+        "contact_radius_mm": "is not drawn: on one mesh it jumps as nodes come to touch; --uncertainty linear"
+    }
 
     def __init__(self, job: Job, case: ContactCase, geometry: Geometry, solved: Solved, origins: Origins) -> None:
         self._job, self._case, self._geometry, self._origins = job, case, geometry, origins
@@ -62,10 +69,7 @@ class Beside(Nearby):
         return Slopes.of(slopes)
 
     def at(self, changes: Changes) -> Answer:
-        """Return the figures of the equilibrium with numbers changed; NotConverged where there is none.
-
-        Without the edge of contact: on one mesh it jumps as nodes come to touch, by more than it moves.
-        """
+        """Return the figures of the equilibrium with numbers changed; NotConverged where there is none."""
         if not self._moves:
             self.gradient()
         amounts = self._origins.amounts(changes)
@@ -75,7 +79,7 @@ class Beside(Nearby):
             solved = self._near.equilibrium(test, depth, np.asarray(moved))
         except NoEquilibriumError as error:
             raise NotConverged(str(error)) from None
-        found = {name: value for name, value in _figures(solved).items() if name != "contact_radius_mm"}
+        found = {name: value for name, value in _figures(solved).items() if name not in self.undrawn}
         return Answer(found, sure_fields(solved))
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:

@@ -14,7 +14,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import MoldFile, read_mold
-from hyperfab.documents.base import parse_document, read_document
+from hyperfab.documents.base import parse_document, read_document, told_format
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.foam import FoamDocument
 from hyperfab.documents.material import MaterialDocument
@@ -82,7 +82,8 @@ def read_foam(inputs: Inputs, name: str) -> FoamDocument:
 
 
 def _foam_of(loaded: object, name: str) -> FoamDocument:
-    if isinstance(loaded, Mapping) and loaded.get("format") == MaterialDocument.format_name():
+    told = told_format(loaded.get("format")) if isinstance(loaded, Mapping) else None
+    if told is not None and told[0] == MaterialDocument.KIND:
         material = parse_document(loaded, name, MaterialDocument)
         if material.thickness_mm is None:
             raise InputError(

@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -90,10 +90,12 @@ class Nearby(ABC):
 
     samples  how many of them are drawn
     step     of differences, over a standard deviation: as small as what jumps in the figures lets it be
+    undrawn  figures that ``at`` does not tell, and why
     """
 
     samples: int
     step: float = 1.0
+    undrawn: ClassVar[Mapping[str, str]] = {}
 
     def blur(self, name: str) -> float:
         """Return below which difference two values of a figure are one, as its own error is larger; 0 where all are of
@@ -277,11 +279,13 @@ class Carried:
             return self._told("sampled", {}, [*left_out, f"all figures: {why}"], reason=reason, samples=len(rows))
         left_out += [f"{lost} of {count} runs that were drawn, which fail"] if lost else []
         bands = {}
+        undrawn = self.near.undrawn if self.near is not None else {}
         for name, value in self.value.items():
             outcomes = np.array([row.get(name, np.nan) for row in rows])
             told = np.isfinite(outcomes)
             if told.sum() < (1.0 - _FAILED) * count:
-                left_out.append(f"{name}: {count - int(told.sum())} of {count} runs that were drawn do not have it")
+                lacking = f"{count - int(told.sum())} of {count} runs that were drawn do not have it"
+                left_out.append(f"{name}: {undrawn.get(name, lacking)}")
                 continue
             bands[name] = propagation.sampled(value, outcomes[told], drawn[kept][told], self.sources)
         return self._told("sampled", bands, left_out, reason=reason, samples=len(rows))
