@@ -34,6 +34,8 @@ from hyperfab.pressing.sensitivity import Tooling, levers
 
 #: Molds within this [K] of the drawing's temperature are cold.
 _COLD = 1.0
+#: Of a face's area that is cut into parts.
+_ROUNDING = 1e-12
 _SIGNS = {1: "+", -1: "-"}
 
 
@@ -122,7 +124,7 @@ def document_of(told: PressResult) -> PressDocument:
         gap_normal=_gap_range(closed.normal, area),
         gap_axial=_gap_range(closed.axial, area),
         contact_area_mm2=touching,
-        contact_fraction=float(closed.touching[molding].sum() / front.areas[molding].sum()),
+        contact_fraction=touching_fraction(closed.touching[molding], front.areas[molding]),
         molding_area_mm2=float(front.areas[molding].sum()),
         flange_area_mm2=float(front.areas[~molding].sum()),
         force_N=contact.closing_force,
@@ -244,6 +246,17 @@ def _sensitivity(told: PressResult, area: Array) -> list[LeverPart]:
         )
         for lever in levers(tooling)
     ]
+
+
+def touching_fraction(touching: Array, areas: Array) -> float:
+    """Return which share of faces (m,) of ``areas`` [mm^2] touches; 1 where each touches whole but for rounding, so
+    that a bound of 100 % holds.
+
+    >>> touching_fraction(np.array([0.1 + 0.2, 0.0]), np.array([0.3, 0.3]))
+    0.5
+    """
+    left = areas - touching
+    return float(1.0 - left[left > _ROUNDING * areas].sum() / areas.sum())
 
 
 def _gap_range(gap: Array, area: Array) -> GapRange:
