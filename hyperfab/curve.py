@@ -57,6 +57,8 @@ class TestCurve:
     direction: float | None = None
     specimen: str | None = None
     thickness_mm: float | None = None
+    width_mm: float | None = None
+    gauge_length_mm: float | None = None
     aspect: float | None = None
     membrane: bool = False
     temperature: float | None = None

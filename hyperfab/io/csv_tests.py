@@ -43,8 +43,6 @@ class TestData(TestCurve):
     """
 
     lines: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    width_mm: float | None = None
-    gauge_length_mm: float | None = None
     understood: str = ""
     chosen: tuple[Choice, ...] = ()
     left_out: Mapping[str, int] = field(default_factory=dict)
@@ -135,10 +133,10 @@ def _read_sheet(
                 "direction": direction,
                 "specimen": specimen,
                 "thickness_mm": sizes.thickness,
+                "width_mm": sizes.width,
+                "gauge_length_mm": sizes.gauge_length,
                 "aspect": sizes.aspect if loading.extended else None,
             },
-            width_mm=sizes.width,
-            gauge_length_mm=sizes.gauge_length,
             left_out=sheet.left_out,
             notes=(*loading.notes, *notes),
             metadata=metadata,

@@ -21,7 +21,7 @@ from hyperfab.loop.doubt import (
     without_names,
 )
 from hyperfab.loop.fewest import fewest, likeliest
-from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.fitting import Descent, Fit, descent, fit
 from hyperfab.loop.judge import Candidate, Evidence, common_bic
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
@@ -35,6 +35,10 @@ _DEPTH, _BEAM = 3, 2
 _HOPELESS = 9.0
 
 
+#: Sums of squares that differ by less than this are one and the same, but for how far a fit was led.
+_ALIKE = 1.0 + 1e-6
+#: How many times noisier what was read beside the stresses counts, where these would be missed by more for it.
+_LOOSER = (3.0, 10.0, 30.0)
 #: How far a fitted model misses readings that take no part.
 Apart = Callable[[Fit], float]
 
@@ -159,11 +163,11 @@ def close(
     if not kept.ids:
         verdict, assumed = without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
-    best = _ordered(search, kept)
+    best = _held(search, before, _ordered(search, kept), apart)
     tick("rivals")
     others = rivals(search, best, sure_of)
     while (likelier := _likelier(search, before, best, apart)) is not None:
-        best = _ordered(search, likelier)
+        best = _held(search, before, _ordered(search, likelier), apart)
         others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others, best.fit.forms)
     added = {name: search.evidence(search.without(best, name), best) for name in best.ids}
@@ -328,9 +332,10 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
     """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
     apart), the best with no other names that does not.
 
-    That may be one of simpler forms. What is left then has to pay anew.
+    That may be one of the same forms that gives up some contraction for the stresses, or one of simpler forms. What is
+    left then has to pay anew.
     """
-    while best.ids and not is_no_worse(base, best, apart):
+    while best.ids and not is_no_worse(base, best := _held(search, base, best, apart), apart):
         fewer = [search.without(best, name) for name in best.ids]
         simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
         by_cost = sorted([*simpler, *fewer], key=lambda state: state.fit.cost)
@@ -340,14 +345,42 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
-    """Whether a model misses no more than another, plainly and everywhere."""
-    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
-    first, measured = state.problem.channel == 0, state.problem.measured
-    for old, new in pairs:
-        told = first & np.isfinite(old) & np.isfinite(new)
-        if np.sum((measured - new)[told] ** 2) > np.sum((measured - old)[told] ** 2):
+    """Whether a model misses the stresses no more than another, plainly, nor the tests left out, in all that was read
+    in them."""
+    measured, first = state.problem.measured, state.problem.channel == 0
+    pairs = [(base.fit.predicted, state.fit.predicted, first.astype(np.float64))]
+    weight = np.ones(len(measured)) if first.all() else state.noise.sd**-2.0
+    pairs.append((base.forecast.predicted, state.forecast.predicted, weight))
+    for old, new, counts in pairs:
+        told = np.isfinite(old) & np.isfinite(new)
+        misses = [float(np.sum((counts * (measured - one) ** 2)[told])) for one in (old, new)]
+        if misses[1] > _ALIKE * misses[0]:
             return False
     return apart is None or apart(state.fit) <= apart(base.fit)
+
+
+def _held(search: Search, base: Candidate, state: Candidate, apart: Apart | None) -> Candidate:
+    """Return the model so fitted that it is no worse than another: what was read beside the stresses counts less and
+    less until these are missed by no more.
+
+    Where the terms have no say in the stresses, the model's own constants stay as they are.
+    """
+    beside = state.problem.channel > 0
+    if not beside.any():
+        return state
+    own = state.fit.own
+    as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
+    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
+    if kept.cost <= state.fit.cost * _ALIKE:
+        state = Candidate(search.problem, search.noise, kept.fit(search.noise))
+    held, looser = state, iter(_LOOSER)
+    while not is_no_worse(base, held, apart):
+        if (factor := next(looser, None)) is None:
+            return state
+        noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
+        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
+        held = Candidate(search.problem, search.noise, descended.fit(search.noise))
+    return held
 
 
 def _ordered(search: Search, best: Candidate) -> Candidate:

@@ -15,9 +15,8 @@ from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_menu import menu
-from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, smooth_of, states_of
+from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, setups_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
-from hyperfab.loop.replicates import replicates
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy, load_offset, mullins
 from hyperfab.materials.effects.fabric import Fabric
@@ -89,10 +88,11 @@ class FabricProblem(Problem):
 
         Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the
         extension bends all curves of a kind as another law does; what they give with the load does so where there is
-        but one. Where each direction was tested at a temperature of its own, either may be what they differ by. A zero
-        that wanders beside a stress that relaxes shows where a specimen waits or is let go: in pulls alone both go on
-        as the stretch does, and a law that is not quite the fabric's leaves as much. Where all were pulled along both
-        axes, what each arm has of its own is what warp and weft may differ by.
+        but one; beside a sheet whose warp and weft differ, and answer to each other, as its law would. Where
+        each direction was tested at a temperature of its own, either may be what they differ by. A zero that
+        wanders beside a stress that relaxes shows where a specimen waits or is let go: in pulls alone both go
+        on as the stretch does, and a law that is not quite the fabric's leaves as much. Where all were pulled
+        along both axes, what each arm has of its own is what warp and weft may differ by.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
@@ -100,7 +100,8 @@ class FabricProblem(Problem):
         given = {*forms, *self.held}
         turns = self.both or "anisotropy" in given
         one_curve = context.has_one_curve(turns=turns, softens="thermal-softening" in given)
-        if (gives in BENDS and one_curve) or (gives == "smooth" and context.has_one_mode):
+        bends = gives in BENDS and (one_curve or ("anisotropy" in given and context.tells_coupling))
+        if bends or (gives == "smooth" and context.has_one_mode):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))
@@ -256,8 +257,8 @@ def fabric_problem(
     curves, rows, measured = curves_of(path, tests, stress)
     hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
-    alike = {curve.start for pair in replicates(curves) for curve in pair}
-    replicated = len(alike) > len(path.curves) / 2
+    ways = setups_of(path, tests, sized=False)
+    replicated = sum(ways.count(way) > 1 for way in ways) > len(ways) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None

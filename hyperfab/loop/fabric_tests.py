@@ -19,6 +19,8 @@ _STANDS = 0.1
 #: Paces within this factor count as one, where none is stated: machines and hands keep one so well. Rates that were
 #: chosen to differ are further apart.
 ONE_PACE = 1.5
+#: Sizes of specimens within this factor count as one: those cut by hand are a few percent apart.
+_ONE_SIZE = 1.2
 
 
 def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
@@ -71,7 +73,7 @@ def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tu
     """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
     curves, rows, extra = [], [], []
     at = len(stress)
-    setups = _setups(path, tests)
+    setups = setups_of(path, tests)
     for test, place, setup in zip(tests, path.curves, setups, strict=True):
         up = path.up[place]
         corners = (np.diff(up) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
@@ -111,24 +113,30 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
     return found
 
 
-def _setups(path: Path, tests: Sequence[TestCurve]) -> list[str]:
-    """Return what each test shares with its replicates: its state, and the whole way it was led, in both stretches.
+def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> list[str]:
+    """Return what each test shares with its replicates: its state, its size, and the whole way it was led, in both
+    stretches.
 
-    A state that no law knows, as the humidity, keeps specimens apart where it is stated alike for several; what each
-    has of its own, as its mass, does not.
+    What grips take is told by the length, what a load cell is off by the section: tests of other sizes are no
+    replicates, unless sizes do not count (``sized``). A state that no law knows, as the humidity, keeps specimens
+    apart where it is stated alike for several; what each has of its own, as its mass, does not.
     """
     stated = {name: [test.others.get(name) for test in tests] for name in _others(tests)}
     shared = [name for name, values in stated.items() if 2 * len({*values}) <= len(tests)]
-    found: list[tuple[str, float, Array, str]] = []
+    found: list[tuple[str, float, Array, Array, str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
         how, pace = _how(test, path.moved(rows))
         how, way = " ".join([how, *(f"{test.others.get(name)}" for name in shared)]), _way(path, rows)
+        size = np.array([test.thickness_mm, test.width_mm, test.gauge_length_mm], dtype=np.float64)
         same = (
             name
-            for other_how, other_pace, other_way, name in found
-            if other_how == how and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE) and _is_same_way(way, other_way)
+            for other_how, other_pace, other_size, other_way, name in found
+            if other_how == how
+            and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE)
+            and not (sized and np.any(np.abs(np.log(size / other_size)) > np.log(_ONE_SIZE)))
+            and _is_same_way(way, other_way)
         )
-        found.append((how, pace, way, next(same, f"{how} {len(found)}")))
+        found.append((how, pace, size, way, next(same, f"{how} {len(found)}")))
     return [name for *_, name in found]
 
 

@@ -52,9 +52,9 @@ def fewest(
     if found is None and 0 < len(whole.ids) < 3:
         # What formulas leave may hide a further name, which shows beside their smooth laws.
         judged = len(search.states)
-        for name in first:
-            if name not in whole.ids:
-                search.freed(before, [*whole.ids, name])
+        for effect, _ in search.ranking(whole)[:_FIRST]:
+            # One for which a too poor law could pass stays a formula.
+            search.freed(whole, [effect.id], of=whole.ids if effect.smooth else ())
         found = likeliest(search, before, no_worse)
         if found is None and len(whole.ids) == 1:
             # A second name that leaves no noise either is not given: nor may it pass for sure.

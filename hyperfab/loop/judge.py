@@ -72,21 +72,33 @@ def structured(fit: Fit, problem: Problem, noise: Noise, least: float = 0.0) -> 
 
     The noise counts as this share, ``least``, of the largest reading of each curve at least.
     """
+    weight = _weight(fit, problem, noise, least)
+    each = [*_beyond_of_each(fit, problem, weight), *_beyond_of_stiffness(fit, noise)]
+    return float(np.sqrt(max(_beyond(fit, weight), *each, 0.0)))
+
+
+def structured_of_each(fit: Fit, problem: Problem, noise: Noise) -> Array:
+    """Return the same of each kind of reading, beside the machine: of a fabric its stresses, its contraction, how stiff
+    specimens are."""
+    weight = _weight(fit, problem, noise, noise.least)
+    each = _beyond_of_each(fit, problem, weight)
+    if len(each) == 1:
+        each = [_beyond(fit, weight)]
+    return np.sqrt(np.maximum([*each, *_beyond_of_stiffness(fit, noise)], 0.0))
+
+
+def _weight(fit: Fit, problem: Problem, noise: Noise, least: float) -> Array:
+    """Return what the square of each row's residual counts where noise is ``least`` of a curve's peak at least."""
     weight = np.ones(len(fit.residual))
     for curve in problem.curves if least else ():
         read, sd = problem.measured[curve.rows] - (curve.channel != 0), noise.sd[curve.rows]
         weight[curve.rows] = (sd / np.maximum(sd, least * np.max(np.abs(read)))) ** 2
-    each = [*_beyond_of_each(fit, problem, weight), *_beyond_of_stiffness(fit, noise)]
-    every = float(np.sum(weight * fit.residual**2)) / _degrees(fit) - float(np.mean(weight))
-    return float(np.sqrt(max(every, *each, 0.0)))
+    return weight
 
 
-def structured_of_each(fit: Fit, problem: Problem, noise: Noise) -> Array:
-    """Return the same of each kind of reading: of a fabric its stresses, its contraction, how stiff specimens are."""
-    each = _beyond_of_each(fit, problem, np.ones(len(fit.residual)))
-    if len(each) == 1:
-        each = [fit.chi2 / _degrees(fit) - 1.0]
-    return np.sqrt(np.maximum([*each, *_beyond_of_stiffness(fit, noise)], 0.0))
+def _beyond(fit: Fit, weight: Array) -> float:
+    """Return what all readings are missed by beyond noise, as mean square of rows with a ``weight``."""
+    return float(np.sum(weight * fit.residual**2)) / _degrees(fit) - float(np.mean(weight))
 
 
 def _beyond_of_stiffness(fit: Fit, noise: Noise) -> list[float]:

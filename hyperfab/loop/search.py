@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -196,24 +196,24 @@ class Search:
         best = self._richest(self._richest(state.fit, free=False), free=True)
         return state if best is state.fit else self.state(best)
 
-    def freed(self, base: Candidate, ids: Sequence[str]) -> Candidate | None:
-        """Return the model of ``base`` with some terms, in their free forms where these pay; None if one has no fit."""
+    def freed(self, base: Candidate, ids: Sequence[str], of: Collection[str] = ()) -> Candidate | None:
+        """Return the model of ``base`` with some terms, all of them or those ``of`` some names in their free forms
+        where these pay; None if one has no fit."""
         state = base
         for name in ids:
             fitted = self.with_term(state, self.problem.effect(name))
             if fitted is None:
                 return None
             state = self.state(fitted)
-        best = self._richest(state.fit, free=True)
-        return self.state(best)
+        return self.state(self._richest(state.fit, free=True, of=of))
 
-    def _richest(self, best: Fit, free: bool) -> Fit:
+    def _richest(self, best: Fit, free: bool, of: Collection[str] = ()) -> Fit:
         for _ in range(_STEPS):
             if _is_spent(best):
                 break
             richer = [
                 found
-                for name in best.forms
+                for name in of or best.forms
                 for form in self.problem.effect(name).forms
                 if form.enriches(best.forms[name].name)
                 and form.free is free

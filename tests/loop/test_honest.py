@@ -317,7 +317,7 @@ def test_two_pairs_that_agree_by_chance_are_no_proof(gains: tuple[float, ...], h
     if named:
         assert belief.of["thermal-softening"] > 0.5
     else:
-        assert belief.nothing > max(belief.something_else, *belief.of.values())
+        assert belief.nothing > max([belief.something_else, *belief.of.values()])
 
 
 def test_a_state_that_no_law_knows_keeps_specimens_from_counting_as_replicates() -> None:

@@ -14,11 +14,8 @@ from loop.generators import drape as truths
 from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
-from hyperfab.cases.drape import DrapeCase
-from hyperfab.chapters.close_loop import drape as closing
+from hyperfab.chapters.close_loop import coupled
 from hyperfab.chapters.close_loop.words import another_frame, another_unit, delivered_of, strange_probes
-from hyperfab.chapters.job import Job
-from hyperfab.console import Console
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
@@ -70,22 +67,13 @@ def test_a_membrane_is_held_against_all_markers_of_a_net(monkeypatch: pytest.Mon
     line = np.linspace(-100.0, 100.0, 7)
     nodes = np.stack([*np.meshgrid(line, line, indexing="ij"), np.zeros((7, 7))], axis=2)
     membrane = SimpleNamespace(names=("warp", "weft"), nodes=lambda *_: nodes)
-    monkeypatch.setattr(closing, "Forward", lambda *_: membrane)
+    monkeypatch.setattr(coupled, "membrane_of", lambda _: membrane)
     flat = np.concatenate([one.flat for one in problem.files])
     above = np.where(np.argsort(np.argsort(flat[:, 0])) >= 32, 6.0, 0.0)
-    net: Any = SimpleNamespace(
-        job=Job("close-loop", [], Console()), case=DrapeCase(material="f.json", mold=("m.stl",)), material=None,
-        sheet=SimpleNamespace(n=7, m=7),
-    )  # fmt: skip
-    finding: Any = SimpleNamespace(verdict="unexplained")
-    result: Any = SimpleNamespace(error=SimpleNamespace(after=SimpleNamespace(rms=6.0)))
-    found = closing.as_membrane(
-        net,
-        problem,
-        [Markers("m", flat, np.column_stack([flat, above]))],
-        finding,
-        result,
-    )
+    net: Any = SimpleNamespace(material=(), sheet=SimpleNamespace(n=7, m=7, membrane=None))
+    missed = SimpleNamespace(fit=SimpleNamespace(predicted=problem.measured + 6.0))
+    finding: Any = SimpleNamespace(verdict="unexplained", after=missed)
+    found = coupled.said_of_membrane(net, problem, [Markers("m", flat, np.column_stack([flat, above]))], finding)
     assert float(found[0].split("misses by ")[1].split()[0]) == pytest.approx(6.0 / np.sqrt(15.0), rel=1e-2)
 
 

@@ -90,6 +90,31 @@ def test_slack_of_each_specimen_does_not_hide_what_heat_does(seed: int) -> None:
     assert set(one.after.ids) == {"thermal-softening", "grip-slack"}
 
 
+def warming(random: np.random.Generator, width_mm: float) -> TestCurve:
+    """Return a cycle of a strip read by a cell that warms up by one force, 3 % of the peak where it is 50 mm wide."""
+    stretch = np.concatenate([np.linspace(1.0, 1.8, 40), np.linspace(1.8, 1.0, 40)[1:]])
+    time_s = np.arange(len(stretch)) * 1.0
+    stress = 0.8 * (stretch - stretch**-2) + 0.036 * 50.0 / width_mm * -np.expm1(-time_s / 25.0)
+    stress += 3e-3 * random.standard_normal(len(stretch))
+    name = f"{width_mm:g} mm"
+    return TestCurve("uniaxial", stretch, stress, time_s=time_s, width_mm=width_mm, source=name, specimen=name)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_strips_of_two_widths_are_no_replicates_and_tell_what_a_cell_adds(seed: int) -> None:
+    """A force reads as twice the stress in a strip of half the section: no scatter of specimens led alike."""
+    random = np.random.default_rng(seed)
+    tests = [warming(random, width) for width in (50.0, 51.0, 25.0)]
+    problem = fabric_problem(law("neo-hookean"), (0.4,), tests)
+    setups = [curve.setup for curve in problem.curves]
+    assert setups[0] == setups[1] != setups[2]
+    one = close(problem, design=False)
+    assert (one.verdict, one.after.ids) == ("effect", ("load-offset",))
+    assert one.after.fit.forms["load-offset"].name == "each-settling"
+    told = one.after.fit.terms["load-offset"][1]
+    np.testing.assert_allclose(told[-4:-1], np.array([0.036, 0.036 * 50 / 51, 0.072]) * -np.expm1(-78 / 25), atol=5e-3)
+
+
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
 def test_specimens_that_differ_in_stiffness_alone_are_noise(seed: int) -> None:
     """However far each is pulled: where some have ended the others must not bend the law."""
@@ -350,3 +375,25 @@ def test_what_a_pace_does_to_stiffness_counts_on_specimens_left_out() -> None:
     one = close(fabric_problem(law("yeoh-2"), (0.01, 0.001), tests), design=False)
     assert set(one.after.ids) == {"permanent-set", "elastic-law", "rate"}
     assert one.verdict == "ambiguous"
+
+
+@pytest.mark.parametrize("seed", [0, 2, 4])
+def test_a_contraction_that_is_no_part_of_the_law_is_found_without_harm_to_the_stresses(seed: int) -> None:
+    """Strips and planar tests of a law that keeps its volume, and strips that become narrower by a power of 0.38."""
+    random, tests = np.random.default_rng(seed), []
+    stretch = np.linspace(1.0, 1.8, 30)
+    for power, mode in [(2.0, "uniaxial"), (3.0, "shear")] * 2:
+        stress = 0.8 * (stretch - stretch**-power) * (1.0 + 0.01 * random.standard_normal())
+        stress += 4e-3 * random.standard_normal(len(stretch))
+        width = stretch**-0.38 + 2e-3 * random.standard_normal(len(stretch)) if mode == "uniaxial" else None
+        name = f"{mode} {len(tests)}"
+        tests.append(TestCurve(mode, stretch, stress, stretch2=width, source=name, specimen=name))
+    problem = fabric_problem(law("mooney-rivlin-2"), (0.4, 0.0), tests)
+    one = close(problem, design=False)
+    assert (one.verdict, one.after.ids) == ("effect", ("compressibility",))
+    first = problem.channel == 0
+    before, after = (np.sum((problem.measured - state.fit.predicted)[first] ** 2) for state in (one.before, one.after))
+    assert after <= before
+    told = one.after.fit.terms["compressibility"]
+    assert told[0].startswith("width")
+    assert told[1][0] == pytest.approx(0.38, abs=0.02)

@@ -212,10 +212,11 @@ TOLD = [0.01 * (1.0 + number) for number in range(len(ROWS))]
 MEAN_RATE = math.exp(sum(map(math.log, TOLD)) / len(TOLD))
 
 
-def passed(row: Row) -> float:
-    """How much of its test's time has passed, 0 to 1."""
+def passed(row: Row, tau: float = math.inf) -> float:
+    """How far what settles by ``tau`` has come in its test's time, 0 to 1."""
     times = [one.t for one in ROWS if one.curve == row.curve]
-    return (row.t - min(times)) / (max(times) - min(times))
+    since, whole = row.t - min(times), max(times) - min(times)
+    return since / whole if math.isinf(tau) else (1.0 - math.exp(-since / tau)) / (1.0 - math.exp(-whole / tau))
 
 
 def share(row: Row) -> float:
@@ -480,8 +481,13 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("load-offset", "each", (0.03, 0.01), lambda r: P(r.l) + (0.03, 0.04)[r.curve]),
     ("load-offset", "each-drift", (0.03, 0.01, -0.02, 0.05),
      lambda r: P(r.l) + (0.03, 0.04)[r.curve] + (-0.02, 0.05)[r.curve] * passed(r)),
+    ("load-offset", "each-settling", (0.03, 0.01, -0.02, 0.05, 6.0),
+     lambda r: P(r.l) + (0.03, 0.04)[r.curve] + (-0.02, 0.05)[r.curve] * passed(r, 6.0)),
     ("compressibility", "uniform", (0.3,), contracting(0.3)),
     ("compressibility", "slope", (0.3,), contracting(0.3, slope=True)),
+    ("compressibility", "width", (0.3,), lambda r: P(r.l)),
+    ("compressibility", "width-bent", (0.3, 0.2), lambda r: P(r.l)),
+    ("compressibility", "width-directions", (0.3, 0.4), lambda r: P(r.l)),
     ("compressibility", "directions", (0.3, 0.4), contracting(0.3, weft=0.4)),
     ("compressibility", "slanted", (0.3, 0.4, 0.2), contracting(0.3, weft=0.4, between=0.2)),
     ("compressibility", "uniform-bent", (0.3, 0.2), contracting(0.3, bend=0.2)),
@@ -619,7 +625,9 @@ NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
     ("elastic-law", "smooth-close"), ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
-    ("compressibility", "directions-smooth"), ("compressibility", "slanted-smooth"), ("hysteresis", "smooth-each-way"),
+    ("compressibility", "directions-smooth"), ("compressibility", "slanted-smooth"),
+    ("compressibility", "width-smooth"), ("compressibility", "width-directions-smooth"),
+    ("hysteresis", "smooth-each-way"),
     ("permanent-set", "smooth-load-each-way"), ("permanent-set", "smooth-flow-load-each-way"),
 }  # fmt: skip
 
@@ -728,6 +736,9 @@ def test_the_transverse_stretch_is_the_one_stated() -> None:
     bent = fabric.across({"compressibility": ("directions-bent", np.array([0.3, 0.4, 0.2]))})
     nu = np.array([0.3 + 0.1 * share(row) for row in ROWS])
     assert bent == pytest.approx(stretch ** -(nu + 0.2 * np.log(stretch)), rel=1e-12)
+    # Beside threads too, whose own contraction it takes the place of.
+    width = {"compressibility": ("width", np.array([0.3])), "anisotropy": ("threads", np.array([0.1, 0.05, 0.2, 0.02]))}
+    assert fabric.across(width, np.array(C)) == pytest.approx(stretch**-0.3, rel=1e-14)
     # Slack in the grips is no stretch of the specimen: it does not contract either.
     slack = fabric.across({"grip-slack": ("play", np.array([0.06]))})
     assert slack == pytest.approx(np.maximum(stretch - 0.06, 1.0) ** -0.5, rel=1e-14)

@@ -62,7 +62,7 @@ def run(job: Job, given: Given) -> int:
     document = in_terms(document, given.name, tests.tests)
     problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
     tests.warnings += map(str, misread(problem.curves, problem.measured))
-    rows, free = sum(len(test.stress) for test in tests.tests), len(problem.own)
+    rows, free = len(problem.measured), len(problem.own)
     if rows < free + _SPARE:
         raise InputError(
             f"has too few rows ({rows}) to tell noise from a residual: the model has {free} constants of its own",

@@ -155,6 +155,15 @@ class Slope(Contraction):
 
 
 @dataclass(frozen=True)
+class Width(Slope):
+    """Stresses stay as they are: how a strip becomes narrower is no part of the law."""
+
+    def state(self, path: Path, stretch: Array, usual: Array, values: Array) -> tuple[Array, Array, Array | float]:
+        """Return the stretches of a sheet that keeps its volume."""
+        return stretch, usual, 1.0
+
+
+@dataclass(frozen=True)
 class Split(Slope):
     """An energy of shape and one of volume."""
 
@@ -187,6 +196,16 @@ FORMS: Mapping[str, Contraction] = {
     "directions": Contraction(ways=2),
     "directions-bent": Contraction(ways=2, bent=True),
     "directions-smooth": Contraction(ways=2, smooth=True),
+    "width": Width(),
+    "width-bent": Width(bent=True),
+    "width-smooth": Width(smooth=True),
+    "width-directions": Width(ways=2),
+    "width-directions-smooth": Width(ways=2, smooth=True),
     "slanted": Contraction(ways=3),
     "slanted-smooth": Contraction(ways=3, smooth=True),
 }
+
+
+def is_of_width(terms: Mapping[str, tuple[str, Array]]) -> bool:
+    """Whether ``terms`` say how a strip becomes narrower, whatever the law has it do."""
+    return "compressibility" in terms and isinstance(FORMS[terms["compressibility"][0]], Width)

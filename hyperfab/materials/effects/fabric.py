@@ -132,7 +132,7 @@ class Fabric:
             _, theta = self.law.split(dict(zip(self.law.names, map(float, warp), strict=True)))
             return np.asarray(stretch ** -self.law.contraction(theta))
 
-        if _is_of_threads(terms):
+        if _is_of_threads(terms) and not compressibility.is_of_width(terms):
             assert warp is not None
             with np.errstate(all="ignore"):
                 found = self._of_threads(warp, terms, (stretch, side), place)[2]

@@ -32,25 +32,27 @@ def settling(time: Array, drift: float, tau: float) -> Array:
     return np.asarray(-drift * tau * np.expm1(-time / tau))
 
 
-def drifting_each(path: Path, values: Array) -> Array:
-    """Return an offset of each curve that drifts evenly as it goes on.
+def drifting_each(path: Path, values: Array, tau: float = np.inf) -> Array:
+    """Return an offset of each curve that drifts as it goes on: evenly, or less and less by the time ``tau`` [s].
 
     ``values``: as those of ``of_each``, then by how much each has moved at its end. A curve beyond those told has the
     mean of both.
     """
     start, moved = np.split(values, 2)
-    times = np.concatenate([_passed(path.time_s[rows]) for rows in path.curves])
+    times = np.concatenate([_passed(path.time_s[rows], tau) for rows in path.curves])
     return of_each(path, start) + by_curve(path, moved) * times
 
 
-def _passed(time: Array) -> Array:
-    """Return how much of a test's time has passed, 0 to 1."""
-    whole = float(np.ptp(time))
-    return (time - time[0]) / whole if whole > 0.0 else np.zeros_like(time)
+def _passed(time: Array, tau: float) -> Array:
+    """Return how far what settles by ``tau`` has come of where it is at the end of a test, 0 to 1."""
+    since, whole = time - time[0], float(np.ptp(time))
+    if whole <= 0.0:
+        return np.zeros_like(time)
+    return np.asarray(since / whole if np.isinf(tau) else np.expm1(-since / tau) / np.expm1(-whole / tau))
 
 
 #: Forms that have no prediction where the tests state no times.
-IN_TIME = ("drift", "settling", "each-drift", "smooth")
+IN_TIME = ("drift", "settling", "each-drift", "each-settling", "smooth")
 #: What each form makes of the stress.
 FORMS: Mapping[str, Acts] = {
     "constant": lambda at, stress, values: shifted(stress, values[0]),
@@ -58,6 +60,7 @@ FORMS: Mapping[str, Acts] = {
     "settling": lambda at, stress, values: shifted(stress, values[0] + settling(at.path.time_s, values[1], values[2])),
     "each": lambda at, stress, values: shifted(stress, of_each(at.path, values)),
     "each-drift": lambda at, stress, values: shifted(stress, drifting_each(at.path, values)),
+    "each-settling": lambda at, stress, values: shifted(stress, drifting_each(at.path, values[:-1], values[-1])),
     "smooth": lambda at, stress, values: shifted(stress, values[1] + through(at.path.time_s / values[0], values[2:])),
 }
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.loop.fabric_tests import ONE_PACE
-from hyperfab.materials.effects.path import Path
+from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, Path
 from hyperfab.materials.law import Array, Law
 
 
@@ -14,7 +14,8 @@ from hyperfab.materials.law import Array, Law
 class DataContext:
     """A law, its constants as they stand, and the measured curves.
 
-    ``transverse``: contraction was measured; ``replicated``: most specimens were led as some other was.
+    ``transverse``: contraction was measured; ``replicated``: most specimens were led as some other was, of another
+    size perhaps.
     """
 
     law: Law
@@ -76,6 +77,13 @@ class DataContext:
     def slanted(self) -> Array:
         """The directions in the data between warp and weft, either side of the warp alike [deg]."""
         return self.ways[(self.ways > 1.0) & (self.ways < 89.0)]
+
+    @property
+    def tells_coupling(self) -> bool:
+        """Whether warp and weft were tested, and what a pull along one does across: held or pulled along both, or
+        contraction read."""
+        held = np.isin(self.path.mode, (SHEAR, BIAXIAL, GENERAL))
+        return len(self.angles) > 1 and (self.transverse or bool(np.any(held)))
 
     @property
     def ways(self) -> Array:

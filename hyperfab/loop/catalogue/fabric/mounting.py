@@ -98,12 +98,13 @@ def load_offset(context: DataContext) -> Effect:
     each = Form("each", (offset, *own), (begin,), refines="constant", of_each=True)
     forms += tried_if(count > 1, _alone(context, each, step))
     if context.path.knows_time:
-        most = 0.1 * peak
+        most = 0.5 * MOST_OFF * peak
         drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
         begin = (*begin, *(0.0 for _ in drifts))
         drifting = freely(forms, "each-drift", (offset, *own, *drifts), begin)
+        warming = freely([drifting], "each-settling", (*drifting.constants, tau), (*begin, tau.value))
         # On the way out alone a drift in time is a softer or stiffer specimen.
-        forms += tried_if(count > 1 and context.unloads, drifting)
+        forms += tried_if(count > 1 and context.unloads, drifting, warming)
     return Effect(
         id="load-offset",
         title="the load cell is off its zero",

@@ -10,7 +10,6 @@ import numpy as np
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
-from hyperfab.materials.effects.path import GENERAL
 from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 
@@ -59,6 +58,7 @@ def anisotropy(context: DataContext) -> Effect:
     both = (*away, warp, across, growth)
     beside = (*softer, 0.1 * stiff, 0.1 * stiff, 0.1 / far**2)
     forms.append(Form("constants-fibres", both, (beside,), refines=() if len(slanted) else "constants"))
+    turns = context.tells_coupling or len(context.slanted) > 3
     if set(law.names) <= GROUND:
         shear = Constant("G_MPa", 0.0, 0.0, scale=0.1 * stiff)
         start = (0.3 * stiff, 0.3 * stiff, 0.1 / far**2, 0.05 * stiff)
@@ -84,21 +84,19 @@ def anisotropy(context: DataContext) -> Effect:
             takes_over=True,
         )
         forms += tried_if(len(slanted) > 0, each)
-        both_ways = bool(np.any(context.path.mode == GENERAL))
-        turns = both_ways or len(slanted) > 3
         bias = _bias_threads(warp, across, growth, stiff, far, turns)
-        forms += tried_if(both_ways or len(slanted) > 1, bias)
+        forms += tried_if(context.tells_coupling or len(slanted) > 1, bias)
         # What a law of the whole sheet already has beside its ground.
         own = Form("sheet", (*bias.constants, shear), tuple((*start, 0.05 * stiff) for start in bias.starts))
         forms += tried_if(False, own)
     elif law.carries_simple_shear:
-        bias = _bias_threads(warp, across, growth, stiff, far, len(context.slanted) > 3)
+        bias = _bias_threads(warp, across, growth, stiff, far, turns)
         nearest = replace(
             freely(forms, "bias-threads-nearest", (*bias.constants, fixed("reach", context.reach)), bias.starts[0]),
             starts=tuple((*start, context.reach) for start in bias.starts),
             takes_over=True,
         )
-        forms += tried_if(len(context.slanted) > 1, nearest)
+        forms += tried_if(context.tells_coupling or len(context.slanted) > 1, nearest)
     forms += _smooth_in_angle(context, tuple(forms))
     return Effect(
         id="anisotropy",
@@ -162,12 +160,20 @@ def compressibility(context: DataContext) -> Effect:
         Form("directions", (nu, across), ((0.4, 0.4),), ((0.48, 0.5), (0.5, 0.48))),
         Form("directions-bent", (nu, across, bend), ((0.4, 0.4, 0.05),), refines="directions"),
     ]
-    formulas = [*forms, *bent, *each]
+    widths = [
+        Form("width", (nu,), ((0.4,),), refines=("uniform", "slope", "split")),
+        Form("width-bent", (nu, bend), ((0.4, 0.05),), refines=("width", "slope-bent", "uniform-bent")),
+    ]
+    width_each = Form("width-directions", (nu, across), ((0.4, 0.4),), refines=("width", "directions"))
+    formulas = [*forms, *bent, *each, *widths, width_each]
     more = [Constant(f"more_{k}", 0.0, -0.6, 0.6, 0.05) for k in range(1, 4)]
     both, start = (fixed("reach", context.reach), nu, *more), (context.reach, 0.4, 0.0, 0.0, 0.0)
-    smooth = [freely(formulas, f"{kind}-smooth", both, start) for kind in ("uniform", "slope")]
+    smooth = [freely(formulas, f"{kind}-smooth", both, start) for kind in ("uniform", "slope", "width")]
     weft = [across, *(replace(one, name=f"{one.name}_weft") for one in more)]
-    smooth_each = freely(formulas, "directions-smooth", (*both, *weft), (*start, *start[1:]))
+    smooth_each = [
+        freely(formulas, name, (*both, *weft), (*start, *start[1:]))
+        for name in ("directions-smooth", "width-directions-smooth")
+    ]
     # A strip cut across the threads turns these: it may become narrower than any that keeps its volume.
     bias = Constant("nu_bias", 0.0, -0.5, 1.0, 0.05)
     slanted = Form("slanted", (nu, across, bias), ((0.4, 0.4, 0.1),), refines="directions")
@@ -186,10 +192,10 @@ def compressibility(context: DataContext) -> Effect:
         source="Blatz & Ko (1962), doi:10.1122/1.548937; Flory (1961), doi:10.1039/tf9615700829",
         forms=(
             *forms,
-            *tried_if(read, *bent),
-            *tried_if(read_each, *each),
+            *tried_if(read, *bent, *widths),
+            *tried_if(read_each, *each, width_each),
             *tried_if(read, *smooth),
-            *tried_if(read_each, smooth_each),
+            *tried_if(read_each, *smooth_each),
             *tried_if(read_slanted, slanted, smooth_slanted),
         ),
     )
