@@ -25,7 +25,8 @@ class Guess:
     """How loud readings seem: their standard deviation, its degrees of freedom, and where that is from.
 
     ``found`` (k,) are differences that have the variance of the noise, ``level`` (k,) the size of the readings there;
-    None where noise in proportion to the reading is not asked for.
+    None where noise in proportion to the reading is not asked for. ``rows`` (n,) is that of each reading, where they
+    are not alike.
     """
 
     size: float
@@ -33,6 +34,7 @@ class Guess:
     source: str
     found: Array | None = None
     level: Array | None = None
+    rows: Array | None = None
 
     @property
     def is_assumed(self) -> bool:

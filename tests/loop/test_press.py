@@ -13,6 +13,7 @@ from loop.generators import press as caps
 from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.press import pose
 from hyperfab.loop.catalogue.press import thickness_variation
+from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
@@ -212,6 +213,30 @@ def test_what_stays_is_taken_off_what_the_press_pressed() -> None:
     np.testing.assert_allclose(half, 0.5 * (pressed + 4.5), rtol=1e-12)
     strain = (4.5 - pressed) / 3.5
     np.testing.assert_allclose(stretched, 4.5 - (0.5 - 0.2 * strain) * strain * 3.5, rtol=1e-12)
+
+
+def of_contact(effects: tuple[str, ...], seed: int) -> Finding:
+    """Return what is found of ones and zeros at 120 places of caps that have ``effects``."""
+    truth = caps.draw(np.random.default_rng([seed, 5]), effects)
+    case = blind_press.posed(truth, 1.0, ["next contact"], seed)
+    return close_rounds(case.problem, case.noise, design=False)[1]
+
+
+@pytest.mark.parametrize("seed", [3, 4])
+def test_an_edge_of_contact_that_lies_elsewhere_is_no_noise(seed: int) -> None:
+    """Of spherical caps a tilt is a shift, and much like a wedge of foam: one stands for the others."""
+    found = of_contact(("tilt",), seed)
+    assert found.verdict == "ambiguous"
+    assert "tilt" in found.indistinguishable[0]
+
+
+def test_ones_and_zeros_of_a_press_as_it_is_are_noise_at_the_edge_alone() -> None:
+    for seed in range(4):
+        found = of_contact((), seed)
+        assert (found.verdict, found.after.ids) == ("noise", ())
+        sd = found.noise.sd[: len(found.after.problem.states["x_mm"])]
+        assert np.median(sd) < 0.11
+        assert sd.max() > 0.3
 
 
 NEW = [

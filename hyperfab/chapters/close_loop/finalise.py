@@ -31,6 +31,8 @@ from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Problem
+from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import MARGIN, TOLD
 
 P = TypeVar("P", bound=Problem)
 R = TypeVar("R", bound=FilesProblem[Any])
@@ -48,6 +50,8 @@ class Extension:
     notes: Sequence[str]
 
 
+#: Noise that is less by as much is another: the loop is closed again with that.
+_LESS = 0.85
 #: What moves the progress line on, with what is being done; and what traces a finding to the documents behind a model.
 Ticks = Callable[[str], None]
 Traces = Callable[[Finding, LoopDocument], Sequence[str]]
@@ -175,7 +179,8 @@ def close_rounds(
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
 
     Each time once more where what the model leaves between neighbours shows the noise to be less: where a field is
-    steep, neighbours differ by more than the noise until the model tells why.
+    steep, neighbours differ by more than the noise until the model tells why. That may be one with an entry that is
+    small beside the noise as it was taken, and takes much of that.
     """
 
     def anew(posed: P) -> Finding:
@@ -184,7 +189,12 @@ def close_rounds(
         level = noise(posed, None)
         found = closed(noise=level)
         less = noise(posed, found.after.fit.predicted)
-        return closed(noise=less) if np.any(less.sd < 0.85 * level.sd) else found
+        quiet = closed(noise=less) if np.any(less.sd < _LESS * level.sd) else found
+        if quiet.verdict != "noise" or max(quiet.scores.values(), default=0.0) < TOLD:
+            return quiet
+        pointed = _pointed(posed, quiet, noise)
+        named = quiet if pointed is None else closed(noise=pointed)
+        return named if named.after.ids else quiet
 
     found = anew(problem)
     for _ in range(2):
@@ -193,6 +203,25 @@ def close_rounds(
             break
         problem, found = again, anew(again)
     return problem, found
+
+
+def _pointed(problem: P, found: Finding, noise: Callable[[P, Array | None], Noise]) -> Noise | None:
+    """Return the noise that a model with one entry more leaves between neighbours, where that makes what was read much
+    likelier; None where none does.
+
+    Where the noise goes with what is predicted, its size is a part of the likelihood.
+    """
+
+    def unlikely(fitted: Fit, sd: Array) -> float:
+        left = (problem.measured - fitted.predicted) / sd
+        return float(left @ left) + 2.0 * float(np.sum(np.log(sd))) + len(fitted.x) * np.log(len(left))
+
+    best, least = None, unlikely(found.after.fit, found.noise.sd) - MARGIN
+    for state, _ in Search(problem, found.noise).candidates(found.after):
+        less = noise(problem, state.fit.predicted)
+        if np.any(less.sd < _LESS * found.noise.sd) and unlikely(state.fit, less.sd) < least:
+            best, least = less, unlikely(state.fit, less.sd)
+    return best
 
 
 def _model(job: Job, out: Output, loop: Given, extension: Extension, result: LoopDocument, care: str) -> None:

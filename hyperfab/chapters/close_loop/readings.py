@@ -80,8 +80,12 @@ class Files(Generic[F]):
                 sd[rows], how = column, "standard deviations in the data"
             else:
                 guess = one.guess(predicted[rows])
-                guessed.setdefault(one.kind, []).append((rows, guess))
                 how = guess.source
+                if guess.rows is None:
+                    guessed.setdefault(one.kind, []).append((rows, guess))
+                else:
+                    sd[rows] = guess.rows
+                    unsure += len(rows) ** 2 / guess.dof
                 if guess.is_assumed:  # what one file rests on, the verdict does
                     source = how
             source = source or how
