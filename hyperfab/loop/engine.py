@@ -171,7 +171,7 @@ def close(
         others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others, best.fit.forms)
     added = {name: search.evidence(search.without(best, name), best) for name in best.ids}
-    if not explains(before, best):
+    if not explains(before, best) or problem.strained(best.fit.x[: best.fit.own]):
         verdict = "unexplained"
     elif sets:
         verdict = "ambiguous"

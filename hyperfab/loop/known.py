@@ -97,6 +97,12 @@ class FilesProblem(Problem, Generic[F]):
         further = (one * scale for one, scale in zip(shown[count:], self.scale, strict=True))
         return np.concatenate([*shown[:count], known(self.priors, own), *further])
 
+    def strained(self, own: Array, far: float = SURE) -> list[str]:
+        """Return which of the ``own`` constants (p,) are driven to the end of what is known of them, or so ``far``."""
+        away = np.abs(known(self.priors, own)) if self.priors else np.empty(0)
+        names = [one.name for one in self.priors if np.isfinite(one.prior_sd)]
+        return [name for name, one in zip(names, away, strict=True) if one > far - 1e-6]
+
     def with_reading(self, reading: F, scale: float = 1.0, **changes: Any) -> Self:
         """Return the problem with a further reading at its end, its rows times ``scale``."""
         rows, size = len(self.measured), len(reading.values)

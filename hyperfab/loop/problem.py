@@ -238,6 +238,14 @@ class Problem(ABC):
         """
         return ()
 
+    def strained(self, own: Array, far: float = np.inf) -> list[str]:
+        """Return which of the ``own`` constants (p,) are driven to the end of what is known of them, or so ``far``, in
+        standard deviations; by name.
+
+        There a model answers only because something makes up for what it lacks.
+        """
+        return []
+
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much constants, together, are those of no material: what is asked for -> how far off, 0 if met.
 

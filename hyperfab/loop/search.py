@@ -121,13 +121,13 @@ class Search:
             if any(form.enriches(one.forms[effect.id].name) and not form.free for form in effect.forms)
         ]
         for one in sorted(rich, key=lambda one: one.chi2)[:families]:
-            if not _is_spent(found):
+            if not self._is_spent(found):
                 found = self.lowest([found, self._refined(state.fit, effect, one, most)])
         return found
 
     def _refined(self, parent: Fit, effect: Effect, best: Fit, most: int) -> Fit:
         """Return the best of a fit and the forms that refine its, unless it already leaves no more than noise."""
-        while not _is_spent(best):
+        while not self._is_spent(best):
             name = best.forms[effect.id].name
             richer = [
                 found
@@ -209,7 +209,7 @@ class Search:
 
     def _richest(self, best: Fit, free: bool, of: Collection[str] = ()) -> Fit:
         for _ in range(_STEPS):
-            if _is_spent(best):
+            if self._is_spent(best):
                 break
             richer = [
                 found
@@ -249,6 +249,11 @@ class Search:
                 return None
             self._fits[key] = found
         return self._fits[key]
+
+    def _is_spent(self, fitted: Fit) -> bool:
+        """Whether a fit leaves no more than noise with constants as they may be: nothing richer is called for."""
+        rows, strained = len(fitted.residual), self.problem.strained(fitted.x[: fitted.own], TOLD)
+        return not strained and fitted.chi2 <= rows - len(fitted.x) + float(np.sqrt(2.0 * rows))
 
     def lowest(self, fits: Sequence[Fit]) -> Fit:
         """Return the fit of lowest BIC; a form with more constants has to earn them by half the margin."""
@@ -391,9 +396,3 @@ def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
     sd = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", about, covariance, about), 0.0))
     odd = np.abs(about @ values) > TOLD * sd
     return bool(np.count_nonzero(odd) < 0.5 * len(values))
-
-
-def _is_spent(fitted: Fit) -> bool:
-    """Whether a fit leaves no more than noise, so that nothing richer is called for."""
-    rows = len(fitted.residual)
-    return fitted.chi2 <= rows - len(fitted.x) + float(np.sqrt(2.0 * rows))

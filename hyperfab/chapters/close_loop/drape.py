@@ -53,8 +53,8 @@ _NEAR = 1e-2
 #: A sheet that rests this far from where it was thought to (rms, standard deviations of the noise) is run anew, there
 #: and beside, this share of each setting's reach away.
 _OFF, _ASIDE = 0.2, 0.12
-#: How far an added prestretch and the friction may go.
-_MOST_STRETCH, _MOST_FRICTION = 0.12, 0.6
+#: How far an added prestretch and the friction may go, and how slack a sheet may be mounted.
+_MOST_STRETCH, _MOST_FRICTION, _SLACK = 0.12, 0.6, 0.95
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -286,7 +286,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     # A modulus of the threads sets the scale of what resists shear, and of the weight that shows.
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
     heavy = _SAG * modulus * sheet.thickness / (GRAVITY * 1e-9 * max(sheet.size))
-    down = min(max(min(sheet.prestretch) - 1.0, 0.0), 0.1)
+    down = min(max(min(sheet.prestretch) - _SLACK, 0.0), 0.1)
     axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, mixes=False) for name in forward.names]
     axes += [
         Setting("depth", 0.0, 0.4, 0.4, mixes=False),

@@ -297,6 +297,12 @@ def _held_out(held: Errors) -> str:
 
 
 def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
+    strained = problem.strained(found.after.fit.x[: found.after.fit.own])
+    if strained and found.after.judgement.is_small:
+        return [
+            f"That takes {' and '.join(strained)} to the end of what is known: something else is lacking that no entry "
+            "of the catalogue explains, and what was added may stand for it."
+        ]
     shares: Mapping[str, float] = document.residual.rides_on
     riding = [f"{key} ({share:.0%})" for key, share in shares.items() if share > 0.02][:3]
     what, chance = _least(document)

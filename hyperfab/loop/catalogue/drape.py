@@ -55,8 +55,9 @@ def gravity(context: DataContext) -> Effect:
 
 
 def pretension(context: DataContext) -> Effect:
-    """A sheet mounted taut, ``--prestretch``: stretch of the mounted sheet, alike along warp and weft, or not."""
+    """A sheet mounted taut or slack, ``--prestretch``: its stretch as mounted, alike along warp and weft, or not."""
     down, up = context.prestretch
+    slack = ((-0.4 * down,),) if down > 0.0 else ()
     both = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
     return Effect(
@@ -65,7 +66,7 @@ def pretension(context: DataContext) -> Effect:
         shown_by="the force of the press over the first tenth of its way; markers where the sheet hangs free",
         source="springs shorter than the mounted sheet",
         forms=(
-            Form("even", (both,), ((0.02,), (0.08,)), ((0.005,),)),
+            Form("even", (both,), ((0.02,), (0.08,), *slack), ((0.005,),)),
             Form("each way", (both, more), ((0.03, 0.0),), ((0.0, 0.005),), refines="even"),
         ),
     )
