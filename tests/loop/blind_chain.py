@@ -146,7 +146,7 @@ def chain(truth: Truth, known: Mapping[str, bytes]) -> dict[str, bytes]:
     drape = options(("drape", *DRAPE), truth.drape)
     steps = [(("mold-heat", "mold.toml"), "heat.json", files["mold.toml"] != known.get("mold.toml"))]
     steps += [(drape, "drape.json", files["fabric.json"] != known.get("fabric.json") or bool(truth.drape))]
-    steps += [(("press-contact", *PRESS, "--gap", f"{GAP}mm"), "press.json", not truth.drape)]
+    steps += [(("press-contact", *PRESS, "--gap", f"{GAP}mm"), "press.json", truth.what not in ON_THE_SHEET)]
     for words, target, anew in steps:
         if anew:
             made = rerun(read(case_class(words[0]), list(words[1:])), target, files)
@@ -196,6 +196,7 @@ DRAWN: dict[str, tuple[str, Callable[[np.random.Generator], dict[str, Any]]]] = 
     "plateau": ("foam", lambda r: {"foam": {"plateau": 0.006 * off(r, 0.2, 0.4)}}),
     "tilt": ("mounting", lambda r: {"foam": _spread(r, float(r.uniform(0.05, 0.2)), ("tilt_x", "tilt_y"))}),
     "shift": ("mounting", lambda r: {"foam": _spread(r, float(r.uniform(0.1, 0.4)), ("shift_x", "shift_y"))}),
+    "stretched sheet": ("sheet", lambda r: {"drape": ("--prestretch", f"{1.0 + r.uniform(0.03, 0.06):.4f}")}),
 }
 
 

@@ -32,6 +32,8 @@ _KELVINS = {
 _ROOM = 3.0
 #: What a press is mounted off by [deg, mm].
 _TILT, _OFFSET = 0.1, 0.2
+#: What a sheet is mounted off by in stretch.
+STRETCH_SD = 0.01
 #: Constants of a law of the foam that are stresses.
 _STRESSES = ("plateau", "modulus", "densification", "mu")
 #: How the constants of one law err together: as much of their variance is its stiffness.

@@ -40,6 +40,7 @@ CHECKS = {
     "temperature": "a thermocouple on each mold's work surface when the press closes",
     "foam": "press the foam alone between plates (force over travel), and gauge its thickness",
     "mounting": "dial gauges at four sides of the female's mounting face, and a feeler gauge at the datum",
+    "sheet": "mark the sheet, and trace the drape (hf close-loop DRAPE.json MARKERS.csv --upstream)",
     "friction": "pull a strip of the fabric over the mold's material (ISO 8295)",
 }
 
@@ -55,12 +56,14 @@ class Link(Chapter):
 @dataclass(frozen=True)
 class Corrected:
     """A chain put right: the ``case`` of the model and ``files`` that are not as they lie there, by name; the bytes of
-    the ``document`` that was at fault (None: the case itself), and the ``command`` that takes it."""
+    the ``document`` that was at fault (None: it is ``made`` by a case of its own, or is the model itself), and the
+    ``command`` that takes it, None where no input says what was put right."""
 
     case: Case
     files: Mapping[str, bytes]
     document: bytes | None
-    command: Case
+    command: Case | None
+    made: Case | None = None
 
 
 class Chain(Protocol):
@@ -179,15 +182,20 @@ def _bare(name: str) -> str:
     return f"{os.path.basename(file)}{mark}{key}"
 
 
-def _write(job: Job, given: Given, out: Output, link: Link, corrected: Corrected) -> tuple[str, str]:
-    """Queue the corrected document; return its name and the command that takes it."""
+def _write(
+    job: Job, given: Given, out: Output, link: Link, corrected: Corrected
+) -> tuple[str, str] | tuple[None, None]:
+    """Queue the corrected document; return its name and the command that takes it, if any."""
+    if corrected.command is None:
+        return None, None
+    command = corrected.command
     if corrected.document is None:
         target = str(out.path(".upstream.json"))
-        made = rerun(corrected.case, target, corrected.files)
+        made = rerun(corrected.made or corrected.case, target, corrected.files)
         out.add(".upstream.json", dump_json(made.document))
         for suffix, data in made.siblings.items():
             out.add(f".upstream{suffix}", data)
-        name, command = target, corrected.case
+        name = target
     else:
         suffix = ".upstream.toml" if link.document.endswith(".toml") else ".upstream.json"
         name = str(out.path(suffix))
@@ -197,12 +205,8 @@ def _write(job: Job, given: Given, out: Output, link: Link, corrected: Corrected
             document = parse_document(load_json(corrected.document, name), name, MaterialDocument)
             data = signed(job, given, document, name)
         out.add(suffix, data)
-        changed = {
-            one.name: name
-            for one in corrected.command.settings().values()
-            if getattr(corrected.command, one.name) == link.document
-        }
-        command = replace(corrected.command, **changed)
+    changed = {one.name: name for one in command.settings().values() if getattr(command, one.name) == link.document}
+    command = replace(command, **changed)
     return os.path.basename(name), command_line(command, name, [name])
 
 

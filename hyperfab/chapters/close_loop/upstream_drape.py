@@ -13,7 +13,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward
 from hyperfab.chapters.close_loop.extended_sheet import drape_applied
 from hyperfab.chapters.close_loop.softening import scaled_material
-from hyperfab.chapters.close_loop.unsure import TOGETHER
+from hyperfab.chapters.close_loop.unsure import STRETCH_SD, TOGETHER
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.uncertainty.changed import Changed
 from hyperfab.chapters.uncertainty.sources import Number
@@ -24,8 +24,8 @@ from hyperfab.loop.drape import DEPTH_SD, DrapeProblem, Markers, at_markers
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.upstream import Readings
 
-#: What a sheet is mounted off by in stretch, and what its friction is off by, where nothing is stated.
-_STRETCH, _FRICTION = 0.01, 0.1
+#: What the friction is off by, where nothing is stated.
+_FRICTION = 0.1
 
 
 @dataclass(frozen=True)
@@ -60,8 +60,8 @@ class DrapeChain:
             "fabric": fabric,
             "mounting": [
                 Moved("depth", DEPTH_SD),
-                Moved("prestretch", _STRETCH),
-                Moved("weft more", _STRETCH),
+                Moved("prestretch", STRETCH_SD),
+                Moved("weft more", STRETCH_SD),
             ],
             "friction": [Moved("friction", _FRICTION)] if draped.friction else [],
         }

@@ -18,8 +18,10 @@ from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.close_loop.extended_sheet import drape_applied
+from hyperfab.chapters.close_loop.handing import More, handing, hands_on, slope, warmer
 from hyperfab.chapters.close_loop.press import closed_press, on_front
-from hyperfab.chapters.close_loop.unsure import is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
+from hyperfab.chapters.close_loop.unsure import STRETCH_SD, is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
@@ -46,7 +48,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.documents.mold import MoldDocument
-from hyperfab.errors import UsageError
+from hyperfab.errors import NotConverged, UsageError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import dump_toml
@@ -58,8 +60,10 @@ from hyperfab.loop.upstream import Readings
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
 
-#: What both molds' temperature is off by [K], where nothing is stated.
+#: What both molds' temperature is off by [K], where nothing is stated, and one that is known as a whole only.
 _KELVINS = 5.0
+#: The chapter of how a drape's sheet was mounted, and its numbers; what both molds are off by together.
+SHEET, MOUNTED, _BOTH = "sheet", ("prestretch", "weft more"), "both molds: temperature_K"
 #: Readings that are traced: those taken at places while the press is closed.
 KINDS = ("pressure", "thickness", "contact")
 
@@ -79,24 +83,22 @@ class PressChain:
 
     def __init__(self, job: Job, case: PressCase, share: float) -> None:
         self.job, self.case, self.share = job, replace(case, uncertainty=None), share
+        self.asked = case
         self.behind = list(self._documents())
         self.sources = {one.chapter: one.source for one in reversed(self.behind)}
         self.left_out: list[str] = []
         if case.drape is not None:
             self.left_out.append(
-                "the drape's own set-up: how its sheet was mounted, and what it rubs on, are taken as they are; foam "
-                "may stand for a sheet that was stretched otherwise. Mark the sheet, and trace the drape"
-            )
-        if sum("temperature" in chapter for chapter in self.sources) > 1:
-            self.left_out.append(
-                "both molds off together, by the room or by what feeds both: each is looked at by itself; foam may "
-                "stand for that"
+                "what the drape's sheet rubs on: foam may stand for that. Mark the sheet, and trace the drape"
             )
         #: The sandwich as it is, with a place for all that may be off.
         self.foam: dict[str, bytes] = {}
         given: dict[str, bytes] = {}
         for one in self.behind:
             given |= self._unsure(one)
+        #: The chapters of numbers that documents are made to hand on, by the numbers' ids.
+        self.more: dict[str, str] = {}
+        given |= self._mounted_sheet(given) | self._warmer_molds(given)
         if case.foam.endswith(".toml"):
             self.foam[case.foam] = dump_toml(mounted(job.inputs.plain(case.foam), case))
             self.case = replace(self.case, tilt=None)
@@ -140,7 +142,51 @@ class PressChain:
         plain = self.job.inputs.plain(one.source)
         fabric = one.chapter == "fabric"
         source = dump_json(unsure_fabric(plain, self.share)) if fabric else dump_toml(unsure_mold(plain, self.share))
-        return {one.source: source} | _made_again(one, {one.source: source}, "linear")
+        # A steady run hands nothing on, whatever its inputs state.
+        steady = not fabric and self.job.inputs.plain(one.file).get("steady", False)
+        return {one.source: source} | _made_again(one, {one.source: source}, "none" if steady else "linear")
+
+    def _mounted_sheet(self, given: Mapping[str, bytes]) -> dict[str, bytes]:
+        """Return the drape and its field with how its sheet was stretched handed on too."""
+        if self.case.drape is None:
+            return {}
+        case, name = self._made(DrapeCase, self.case.drape), self.case.drape
+        numbers = []
+        for key in MOUNTED:
+            try:
+                low, high = (
+                    Overlay(_run_anew(name, drape_applied(case, {key: by * STRETCH_SD}))) for by in (-1.0, 1.0)
+                )
+            except NotConverged as error:
+                self.left_out.append(f"{SHEET}: {key}: {error}; foam may stand for that")
+                continue
+            numbers.append(More(f"{name}: {key}", key, STRETCH_SD, slope((low, high), name, STRETCH_SD)))
+        self.more |= {one.id: SHEET for one in numbers}
+        self.sources[SHEET] = name
+        return handing(Overlay(given), name, numbers) if numbers else {}
+
+    def _warmer_molds(self, given: Mapping[str, bytes]) -> dict[str, bytes]:
+        """Return heat documents that hand nothing on, as those of a steady run, with how hot each is as a whole handed
+        on, and how hot both are."""
+        inputs, found = Overlay(given), dict[str, bytes]()
+        molds = [one for one in self.behind if one.chapter.endswith("temperature")]
+        silent = [one for one in molds if not hands_on(inputs, one.file)]
+        for one in silent:
+            by = warmer(inputs, one.file)
+            key = f"{one.file}: temperature_K"
+            numbers = [More(key, key, _KELVINS, by)]
+            self.more[key] = one.chapter
+            self.sources[one.chapter] = one.file
+            if len(silent) > 1:
+                numbers.append(More(_BOTH, _BOTH, _KELVINS, by))
+                self.more[_BOTH] = "temperature"
+            found |= handing(inputs, one.file, numbers)
+        if len(molds) > max(len(silent), 1):
+            self.left_out.append(
+                "both molds off together, by the room or by what feeds both: each is looked at by itself; foam may "
+                "stand for that"
+            )
+        return found
 
     def _own(self) -> None:
         """Add what the press itself and its sandwich may be off by."""
@@ -182,8 +228,10 @@ class PressChain:
         for one in self.behind:
             known = len(self.origins.found)
             join(self.origins, self.quiet.inputs, [one.file])
-            self.owners.setdefault(one.chapter, []).extend(range(known, len(self.origins.found)))
-        # A document that hands nothing on, as one of a steady run, cannot be at fault here.
+            for place in range(known, len(self.origins.found)):
+                chapter = self.more.get(self.origins.found[place].ids[0], one.chapter)
+                self.owners.setdefault(chapter, []).append(place)
+        # A document that hands nothing on cannot be at fault here.
         self.left_out += self.origins.left_out
 
     def _add(self, chapter: str, one: Origin) -> None:
@@ -219,6 +267,15 @@ class PressChain:
 
     def corrected(self, link: Link, change: Array) -> Corrected:
         """Return the press with a chapter's constants changed: its case and the files that are other than on disk."""
+        if link.name == SHEET:
+            by_name = {number.name: float(by) for number, by in zip(link.numbers, change, strict=True)}
+            made = drape_applied(self._made(DrapeCase, link.document), by_name)
+            return Corrected(self.case, self.foam | _run_anew(link.document, made), None, self.asked, made)
+        if link.name in self.more.values():
+            hotter = Changed(self.case, self.quiet.inputs, Kept())
+            for number, by in zip(link.numbers, change, strict=True):
+                number.move(hotter, float(by))
+            return Corrected(self.case, hotter.files, None, None)
         moved = Changed(self.case, Overlay(self.foam), Kept())
         for number, by in zip(link.numbers, change, strict=True):
             own = number.own if isinstance(number, Handed) else number
@@ -285,12 +342,17 @@ def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings
 
 def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str, bytes]:
     """Return the document behind a field made anew, and what lies beside it, by name."""
-    path = Path(one.file)
+    return _run_anew(one.file, replace(one.case, uncertainty=how), given)  # type: ignore[call-arg]
+
+
+def _run_anew(name: str, case: Case, given: Mapping[str, bytes] = {}) -> dict[str, bytes]:
+    """Return the document of that name as a case makes it, and what lies beside it, by name."""
+    path = Path(name)
     # Nothing is written, and the document's own folder may be one where nothing can be.
     target = str(Path(tempfile.gettempdir()) / path.name)
-    made = rerun(replace(one.case, uncertainty=how), target, given)  # type: ignore[call-arg]
+    made = rerun(case, target, given)
     beside_it = {str(path.with_name(path.stem + suffix)): data for suffix, data in made.siblings.items()}
-    return {one.file: dump_json(made.document)} | beside_it
+    return {name: dump_json(made.document)} | beside_it
 
 
 def tracing(
