@@ -28,6 +28,7 @@ class TestCurve:
       measured in the second direction. 1 / stress makes a fit relative.
     - ``stress_sd`` [MPa], ``time_s``, ``temperature_degC``, ``rate_1_s``, ``cycle``, ``branch`` (1 on loading, -1 on
       unloading), ``lines`` of the file (n,).
+    - ``thickness_mm``, ``width_mm``, ``gauge_length_mm``: the specimen's sizes.
     - ``aspect``: length over width of a strip whose stretch is the extension of that whole length: its ends are held.
     - ``direction``: degrees from the warp. ``temperature``: at which all rows count [degC], ``warmth`` the lowest and
       the highest of them. ``others``: numbers told of the test that no law has a use for, by name.

@@ -35,7 +35,7 @@ _DEPTH, _BEAM = 3, 2
 _HOPELESS = 9.0
 
 
-#: Sums of squares that differ by less than this are one and the same, but for how far a fit was led.
+#: Where more was read than stresses, sums of squares that differ by less are the same, but for how far a fit was led.
 _ALIKE = 1.0 + 1e-6
 #: How many times noisier what was read beside the stresses counts, where these would be missed by more for it.
 _LOOSER = (3.0, 10.0, 30.0)
@@ -345,16 +345,13 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
-    """Whether a model misses the stresses no more than another, plainly, nor the tests left out, in all that was read
-    in them."""
-    measured, first = state.problem.measured, state.problem.channel == 0
-    pairs = [(base.fit.predicted, state.fit.predicted, first.astype(np.float64))]
-    weight = np.ones(len(measured)) if first.all() else state.noise.sd**-2.0
-    pairs.append((base.forecast.predicted, state.forecast.predicted, weight))
-    for old, new, counts in pairs:
-        told = np.isfinite(old) & np.isfinite(new)
-        misses = [float(np.sum((counts * (measured - one) ** 2)[told])) for one in (old, new)]
-        if misses[1] > _ALIKE * misses[0]:
+    """Whether a model misses no more than another, plainly and everywhere."""
+    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
+    first, measured = state.problem.channel == 0, state.problem.measured
+    alike = 1.0 if first.all() else _ALIKE
+    for old, new in pairs:
+        told = first & np.isfinite(old) & np.isfinite(new)
+        if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
             return False
     return apart is None or apart(state.fit) <= apart(base.fit)
 
