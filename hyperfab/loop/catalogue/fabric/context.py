@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.loop.fabric_tests import ONE_PACE
-from hyperfab.materials.effects.path import BIAXIAL, GENERAL, SHEAR, Path
+from hyperfab.materials.effects.path import GENERAL, Path
 from hyperfab.materials.law import Array, Law
 
 
@@ -80,10 +80,9 @@ class DataContext:
 
     @property
     def tells_coupling(self) -> bool:
-        """Whether warp and weft were tested, and what a pull along one does across: held or pulled along both, or
-        contraction read."""
-        held = np.isin(self.path.mode, (SHEAR, BIAXIAL, GENERAL))
-        return len(self.angles) > 1 and (self.transverse or bool(np.any(held)))
+        """Whether warp and weft were tested, and what a pull along one does across: both pulled, or contraction
+        read."""
+        return len(self.angles) > 1 and (self.transverse or bool(np.any(self.path.mode == GENERAL)))
 
     @property
     def ways(self) -> Array:
