@@ -373,7 +373,8 @@ def test_what_a_pace_does_to_stiffness_counts_on_specimens_left_out() -> None:
             stress = stress + 1e-4 * random.standard_normal(len(stress))
             tests.append(TestCurve("uniaxial", 1.0 + strain, stress, time_s=time, source=name, specimen=name))
     one = close(fabric_problem(law("yeoh-2"), (0.01, 0.001), tests), design=False)
-    assert set(one.after.ids) == {"permanent-set", "elastic-law", "rate"}
+    # A plain law that is bent to take in some of the ripples is no name.
+    assert {*one.after.ids} - {"elastic-law"} == {"permanent-set", "rate"}
     assert one.verdict == "ambiguous"
 
 
