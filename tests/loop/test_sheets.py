@@ -73,7 +73,9 @@ def test_a_membrane_is_held_against_all_markers_of_a_net(monkeypatch: pytest.Mon
     net: Any = SimpleNamespace(material=(), sheet=SimpleNamespace(n=7, m=7, membrane=None))
     missed = SimpleNamespace(fit=SimpleNamespace(predicted=problem.measured + 6.0))
     finding: Any = SimpleNamespace(verdict="unexplained", after=missed)
-    found = coupled.said_of_membrane(net, problem, [Markers("m", flat, np.column_stack([flat, above]))], finding)
+    left = coupled.misses(net, problem, [Markers("m", flat, np.column_stack([flat, above]))], finding)
+    unused: Any = None
+    found = coupled.InsteadOfNet(net, unused, unused, unused, unused, left).said(finding)
     assert float(found[0].split("misses by ")[1].split()[0]) == pytest.approx(6.0 / np.sqrt(15.0), rel=1e-2)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,32 +54,28 @@ def misses(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], fo
     return left if left < _COUPLED * net else None
 
 
-def said_of_membrane(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], found: Finding) -> list[str]:
-    """Return what is to be said of the membrane where neither it nor the net leaves noise."""
-    left = misses(forward, problem, files, found)
-    if left is None:
-        return []
-    return [
-        f"As a membrane, its law coupling warp and weft, the same fabric misses by {left:.3g} mm as it is: "
-        f"{COUPLING} is lacking. Drape it with --sheet membrane, and close the loop on that."
-    ]
+@dataclass
+class InsteadOfNet:
+    """Closes the loop on the same fabric as a membrane, where markers are not a net's but nearer to it.
 
+    ``left`` is what ``misses`` found, once the net was tried; the others are what closing the loop takes.
+    """
 
-def instead_of_net(
-    forward: Forward,
-    files: Files[Markers],
-    given: Given,
-    extend: Callable[[Forward, DrapeProblem, Finding], Extension],
-    upstream: Callable[[Forward, DrapeProblem], Traces],
-) -> Callable[[DrapeProblem, Finding, Ticks], Instead[DrapeProblem] | None]:
-    """Return what closes the loop on the same fabric as a membrane, where markers are not a net's but nearer to it."""
+    forward: Forward
+    files: Files[Markers]
+    given: Given
+    extend: Callable[[Forward, DrapeProblem, Finding], Extension]
+    upstream: Callable[[Forward, DrapeProblem], Traces]
+    left: float | None = None
 
-    def closed(problem: DrapeProblem, found: Finding, tick: Ticks) -> Instead[DrapeProblem] | None:
-        if misses(forward, problem, files.plain, found) is None:
+    def closed(self, problem: DrapeProblem, found: Finding, tick: Ticks) -> Instead[DrapeProblem] | None:
+        """Return the membrane that carries the markers, None where it does not either, or need not."""
+        self.left = misses(self.forward, problem, self.files.plain, found)
+        if self.left is None:
             return None
-        coupled = membrane_of(forward)
+        coupled, files = membrane_of(self.forward), self.files
         draped = pose_sheet(coupled, lambda share: tick("the fabric as a membrane"))
-        posed = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
+        posed = drape_problem(draped, files.plain, prior=self.given.surely, fixed=self.given.case.fix)
         posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=apart_of(files))
         if other.verdict == "unexplained":
             return None
@@ -91,12 +87,19 @@ def instead_of_net(
         return Instead(
             posed,
             told,
-            lambda finding: extend(coupled, posed, finding),
-            upstream(coupled, posed),
+            lambda finding: self.extend(coupled, posed, finding),
+            self.upstream(coupled, posed),
             lambda result: _tell(result, problem, posed, told),
         )
 
-    return closed
+    def said(self, found: Finding) -> list[str]:
+        """Return what is to be said of the membrane where neither it nor the net leaves noise."""
+        if self.left is None or found.verdict != "unexplained":
+            return []
+        return [
+            f"As a membrane, its law coupling warp and weft, the same fabric misses by {self.left:.3g} mm as it is: "
+            f"{COUPLING} is lacking. Drape it with --sheet membrane, and close the loop on that."
+        ]
 
 
 def _tell(result: LoopDocument, net: DrapeProblem, posed: DrapeProblem, found: Finding) -> None:

@@ -87,7 +87,7 @@ def run(job: Job, given: Given) -> int:
     files = _tracked(job, draped, files)
     problem = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
     # These drape sheets as this module does.
-    from hyperfab.chapters.close_loop.coupled import instead_of_net, said_of_membrane
+    from hyperfab.chapters.close_loop.coupled import InsteadOfNet
     from hyperfab.chapters.close_loop.upstream_drape import tracing
 
     def extend(forward: Forward, problem: DrapeProblem, found: Finding) -> Extension:
@@ -97,11 +97,11 @@ def run(job: Job, given: Given) -> int:
         trace = tracing(forward, problem, given, out) if given.case.upstream else None
 
         def follow_up(found: Finding, result: LoopDocument) -> list[str]:
-            said = said_of_membrane(forward, problem, files.plain, found)
-            return said + (trace(found, result) if trace is not None else [])
+            return membrane.said(found) + (trace(found, result) if trace is not None else [])
 
         return follow_up
 
+    membrane = InsteadOfNet(forward, files, given, extend, traced)
     return finish(
         job,
         out,
@@ -112,7 +112,7 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend(forward, problem, found),
         rounds=forward.corrected,
         upstream=traced(forward, problem),
-        instead=instead_of_net(forward, files, given, extend, traced),
+        instead=membrane.closed,
     )
 
 
