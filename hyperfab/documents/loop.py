@@ -187,6 +187,9 @@ class LoopDocument(Document):
     )
     noise: NoiseFigures
     error: Errors
+    contraction: Errors | None = optional(
+        "the same of 1 less the transverse stretch, where that was read; ``error`` is of the stresses alone"
+    )
     held_out: Errors | None = None
     residual: Residual
     candidates: list[Candidate] = Field(default_factory=list)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -255,12 +257,20 @@ def test_directions_are_named_with_a_contraction_beyond_that_of_a_volume_that_st
         body = "".join(f"{e:.2f},{w:.2f},{s:.5f}\n" for e, w, s in rows)
         head = f"# test: uniaxial\n# direction: {way}\nstrain [%],lateral strain [%],stress [MPa]\n"
         (tmp_path / f"{way}.csv").write_text(head + body)
-    done = hf("close-loop", "m.json", "warp.csv", "weft.csv", cwd=tmp_path)
-    found = json.loads(done.stdout)
+    done = hf("close-loop", "m.json", "warp.csv", "weft.csv", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    found = json.loads((tmp_path / "loop.json").read_text())
     assert found["verdict"] == "ambiguous"
     assert {effect["id"]: effect["form"] for effect in found["effects"]}["anisotropy"] == "bias-threads"
     assert found["error"]["before"]["nrmse"] > 0.1
     assert found["error"]["after"]["nrmse"] < 0.01
+    # The contraction has an error of its own, and its rows beside the stresses' in the table.
+    told, rows = found["contraction"], list(csv.DictReader(io.StringIO((tmp_path / "loop.csv").read_text())))
+    for moment in ("before", "after"):
+        left = [float(row["transverse_stretch"]) - float(row[f"transverse_{moment}"]) for row in rows]
+        assert told[moment]["rms"] == pytest.approx(np.sqrt(np.mean(np.square(left))), rel=1e-6)
+    assert told["after"]["relative_rms"] < 0.05 < told["before"]["relative_rms"]
+    assert any("narrower" in line for line in found["summary"])
     sure = {one["id"]: one.get("probability", 0.0) for one in found["candidates"]}
     assert sure["anisotropy"] > 0.5 > max(p for name, p in sure.items() if name != "anisotropy")
     assert "anisotropy" not in {name for group in found["indistinguishable"] for name in group}

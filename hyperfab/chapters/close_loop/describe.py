@@ -40,10 +40,7 @@ def describe(
     domain: str = "fabric",
 ) -> LoopDocument:
     """Return the finding as a document."""
-    first = problem.channel == 0
     before, after = found.before.fit, found.after.fit
-    sd = found.noise.sd[first]
-    spread = found.noise.spread(after.predicted)
     names = [constant.name for constant in problem.own]
     return LoopDocument(
         domain=domain,
@@ -55,7 +52,7 @@ def describe(
             "with_effects": dict(zip(names, (float(v) for v in after.x[: after.own]), strict=True)),
         },
         noise=NoiseFigures(
-            sd=_rms(sd),
+            sd=_rms(found.noise.sd[problem.channel == 0]),
             unit=unit,
             source=found.noise.source,
             degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
@@ -64,17 +61,10 @@ def describe(
             correlation=found.noise.correlation or None,
             assumed_scatter=found.assumed or None,
         ),
-        error=errors_of(
-            problem.measured[first],
-            before.predicted[first],
-            after.predicted[first],
-            sd,
-            unit,
-            spread=spread[first],
-            whitened=(before.residual[first], after.residual[first]),
-            curves=_of_first(problem),
-            delivered=delivered_of(problem)[first],
-        ),
+        error=_error(problem, found, 0, unit),
+        contraction=_error(problem, found, 1, "")
+        if isinstance(problem, FabricProblem) and len(problem.transverse_rows)
+        else None,
         held_out=_held_out(problem, found, unit),
         residual=Residual(
             **_judged(found.after.judgement),
@@ -137,14 +127,31 @@ def errors_of(
     )
 
 
+def _error(problem: Problem, found: Finding, channel: int, unit: str) -> Errors:
+    """Return the errors in the readings of a channel; a transverse stretch counts by how much it is narrower."""
+    rows, rest = problem.channel == channel, float(channel)
+    before, after = found.before.fit, found.after.fit
+    return errors_of(
+        problem.measured[rows] - rest,
+        before.predicted[rows] - rest,
+        after.predicted[rows] - rest,
+        found.noise.sd[rows],
+        unit,
+        spread=found.noise.spread(after.predicted)[rows],
+        whitened=(before.residual[rows], after.residual[rows]),
+        curves=_of_channel(problem, channel),
+        delivered=delivered_of(problem)[rows] - rest,
+    )
+
+
 def _judged(judgement: Judgement) -> dict[str, Any]:
     return {name: getattr(judgement, name) for name in Judged.model_fields}
 
 
-def _of_first(problem: Problem) -> list[Ints]:
-    """Return, for each curve of the first channel, where its rows stand among those of that channel."""
-    place = np.cumsum(problem.channel == 0) - 1
-    return [place[curve.rows] for curve in problem.curves if curve.channel == 0]
+def _of_channel(problem: Problem, channel: int) -> list[Ints]:
+    """Return, for each curve of a channel, where its rows stand among those of that channel."""
+    place = np.cumsum(problem.channel == channel) - 1
+    return [place[curve.rows] for curve in problem.curves if curve.channel == channel]
 
 
 def _rms(values: Array) -> float:
@@ -263,15 +270,22 @@ def column(name: str, unit: str) -> str:
 
 
 def curves_csv(job: Job, problem: FabricProblem, found: Finding, unit: str) -> bytes:
-    """Return measured and predicted stresses, row by row."""
+    """Return measured and predicted stresses, row by row, and beside them the transverse stretch where it was read."""
     quantity = "membrane stress" if unit == "N/mm" else "stress"
     head = ["test", "stretch", *(column(name, unit) for name in (quantity, "before", "after", "noise sd"))]
-    rows = []
-    path = problem.fabric.path
-    old, new = found.before.fit.predicted, found.after.fit.predicted
-    curves = [curve for curve in problem.curves if curve.channel == 0]
-    for curve in curves:
-        test = job.named(curve.name)
-        for i in range(curve.start, curve.stop):
-            rows.append((test, path.stretch[i], problem.measured[i], old[i], new[i], found.noise.sd[i]))
+    stretch = problem.fabric.path.stretch
+    figures = np.column_stack([problem.measured, found.before.fit.predicted, found.after.fit.predicted, found.noise.sd])
+    count, across = len(stretch), problem.transverse_rows
+    table = np.column_stack([stretch, figures[:count]])
+    if len(across):
+        head += [f"transverse_{name}" for name in ("stretch", "before", "after", "noise_sd")]
+        beside = np.full((count, 4), np.nan)
+        beside[across] = figures[problem.channel == 1]
+        table = np.column_stack([table, beside])
+    rows = [
+        (job.named(curve.name), *table[i])
+        for curve in problem.curves
+        if curve.channel == 0
+        for i in range(curve.start, curve.stop)
+    ]
     return csv_bytes(head, rows, digits=8)

@@ -51,6 +51,8 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"{effect.id}: {effect.title} ({form}); the evidence is {sure}.")
     if document.effects:
         lines.append(f"With that it misses by {_size(document.error.after, document.error.unit)}.")
+    if document.contraction is not None:
+        lines.append(_contraction(document.contraction))
     if document.held_out is not None:
         lines.append(_held_out(document.held_out))
     if document.verdict == "effect":
@@ -284,6 +286,13 @@ def _noise(found: Finding, document: LoopDocument) -> str:
     if document.residual.is_noise:
         return "What is left is noise: these data show nothing that the model lacks."
     return f"{_left(found, document)}: too little to name anything for."
+
+
+def _contraction(error: Errors) -> str:
+    before, after = (f"{100.0 * one.relative_rms:.2g} %" for one in (error.before, error.after))
+    if error.before.rms == error.after.rms:
+        return f"How much narrower specimens become it misses by {before}."
+    return f"How much narrower specimens become it misses by {before} without, by {after} with what was added."
 
 
 def _held_out(held: Errors) -> str:

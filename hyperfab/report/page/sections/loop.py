@@ -68,7 +68,12 @@ def section(source: Source) -> Section:
 
 def _errors(data: Any) -> Table:
     rows = []
-    for what, errors in (("data used", data["error"]), ("held-out tests", data.get("held_out"))):
+    kinds = (
+        ("data used", data["error"]),
+        ("contraction", data.get("contraction")),
+        ("held-out tests", data.get("held_out")),
+    )
+    for what, errors in kinds:
         if not errors:
             continue
         unit = errors.get("unit", "")
