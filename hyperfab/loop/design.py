@@ -65,12 +65,14 @@ def _smallest_misfit(extra: Extra, noise: Noise, fits: Sequence[Fit], old: int) 
 def _extended(noise: Noise, target: Array, old: int, problem: Problem) -> Noise:
     """Return the noise with the rows of the new test added: as loud as the old ones, a specimen of its own."""
     new = np.arange(old, len(target))
-    sd = np.concatenate([noise.sd, np.full(len(new), float(np.median(noise.sd[problem.channel[:old] == 0])))])
-    if not (noise.gain_sd or noise.across_sd or noise.correlation):
+    stress, own = problem.channel[:old] == 0, np.broadcast_to(noise.correlation, old)
+    sd = np.concatenate([noise.sd, np.full(len(new), float(np.median(noise.sd[stress])))])
+    if not (noise.gain_sd or noise.across_sd or noise.is_correlated):
         return replace(noise, sd=sd)
     return replace(
         noise,
         sd=sd,
+        correlation=np.append(own, np.full(len(new), np.max(own[stress]))),
         starts=tuple(curve.start for curve in problem.curves),
         groups=(*noise.groups, new),
         pattern=np.concatenate([noise.pattern, target[old:]]),

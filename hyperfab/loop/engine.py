@@ -151,6 +151,7 @@ def close(
     if again and scatter > level.gain_sd:
         return once_more(scatter)
     kept, against = undoubted(search, best)
+    kept = _no_worse(search, before, kept, apart)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
     if again and not (kept.ids and explains(before, kept)):
         scatter = scatter_of_one_cloth(search, kept, best)
@@ -332,13 +333,14 @@ def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | N
     """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
     apart), the best with no other names that does not.
 
-    That may be one of the same forms that gives up some contraction for the stresses, or one of simpler forms. What is
-    left then has to pay anew.
+    That may be one of the same forms that gives up some contraction for the stresses, one of richer forms that leaves
+    these alone, or one of simpler forms. What is left then has to pay anew.
     """
     while best.ids and not is_no_worse(base, best := _held(search, base, best, apart), apart):
         fewer = [search.without(best, name) for name in best.ids]
         simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
-        by_cost = sorted([*simpler, *fewer], key=lambda state: state.fit.cost)
+        richer = [_held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
+        by_cost = sorted([*richer, *simpler, *fewer], key=lambda state: state.fit.cost)
         good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
         best = _pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
     return best

@@ -178,7 +178,7 @@ class Descent:
         if not self.exact:
             self.ask()
         left, jacobian = self.left, self.jacobian
-        if noise.gain_sd or noise.across_sd or noise.correlation:
+        if noise.gain_sd or noise.across_sd or noise.is_correlated:
             full = noise.at(value)
             left = full.whiten(self.target - value)
             jacobian = full.whiten(self.metric.coloured(jacobian))

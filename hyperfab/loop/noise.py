@@ -10,6 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Curve
+from hyperfab.loop.thresholds import TOLD
 
 #: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
 Shape = tuple[Ints, Array, float]
@@ -20,11 +21,11 @@ class Noise:
     """One standard deviation a row, its degrees of freedom, and what rows have in common.
 
     ``gain_sd`` is the scatter of the stiffness between specimens (relative), ``across_sd`` that of how much narrower
-    they become, ``correlation`` that between neighbouring rows of a curve. ``whiten`` takes these out, so that noise
-    becomes unit and uncorrelated.
-    ``gain_doubt`` is what the scatter may be as well, known as it is from few pairs of specimens. ``groups`` are the
-    rows of each specimen, ``across`` those of its transverse stretch, ``alike`` and ``alike_across`` which of these are
-    of each way of testing; where they are ``centred`` they scatter about a mean of their own, which is told.
+    they become, ``correlation`` that of each row with the one before it in its curve. ``whiten`` takes these out, so
+    that noise becomes unit and uncorrelated. ``gain_doubt`` is what the scatter may be as well, known as it is from few
+    pairs of specimens. ``groups`` are the rows of each specimen, ``across`` those of its transverse stretch, ``alike``
+    and ``alike_across`` which of these are of each way of testing; where they are ``centred`` they scatter about a mean
+    of their own, which is told.
     ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch. ``least`` is what a
     machine may be off, in all tests alike, as a share of the largest reading of each.
     """
@@ -34,7 +35,7 @@ class Noise:
     source: str
     gain_sd: float = 0.0
     gain_doubt: float = 0.0
-    correlation: float = 0.0
+    correlation: Array | float = 0.0
     across_sd: float = 0.0
     starts: tuple[int, ...] = ()
     groups: tuple[Ints, ...] = ()
@@ -45,6 +46,11 @@ class Noise:
     measured: Array = field(default_factory=lambda: np.empty(0))
     centred: bool = False
     least: float = 0.0
+
+    @property
+    def is_correlated(self) -> bool:
+        """Whether any row has something in common with the one before it."""
+        return bool(np.any(self.correlation))
 
     @property
     def plain(self) -> Noise:
@@ -97,7 +103,7 @@ class Noise:
     def whiten(self, values: Array) -> Array:
         """Return values (rows) or columns (rows, k) in units of the noise, uncorrelated."""
         scaled = values / (self.sd if values.ndim == 1 else self.sd[:, None])
-        if self.correlation:
+        if self.is_correlated:
             scaled = self._along(scaled)
         return self._less(scaled, -0.5 if self.centred else None)
 
@@ -167,7 +173,8 @@ class Noise:
         return np.array([np.sum(off[one]) / np.sqrt(np.sum(variance[one]) + np.sum(missed[one]) ** 2) for one in each])
 
     def _along(self, scaled: Array) -> Array:
-        rho = self.correlation
+        rho = np.broadcast_to(self.correlation, len(scaled))[1:]
+        rho = rho if scaled.ndim == 1 else rho[:, None]
         found = scaled.copy()
         found[1:] = (scaled[1:] - rho * scaled[:-1]) / np.sqrt(1.0 - rho * rho)
         first = list(self.starts)
@@ -177,7 +184,7 @@ class Noise:
     def _shapes(self, groups: Sequence[Ints], sd: float) -> list[Shape]:
         """Return the rows of each group, the unit shape of what is alike in them, and how much of that is scatter."""
         pattern = self.pattern / self.sd
-        if self.correlation:
+        if self.is_correlated:
             pattern = self._along(pattern)
         found = []
         for rows in groups:
@@ -187,13 +194,18 @@ class Noise:
         return found
 
 
-def with_misfit(noise: Noise, left: Array, curves: Sequence[Curve]) -> Noise:
+def with_misfit(noise: Noise, left: Array, residual: Array, curves: Sequence[Curve]) -> Noise:
     """Return the noise with what a model leaves, ``left`` (rows), as part of it: alike in all rows of a channel.
 
-    What is known beforehand stays as sure as it is.
+    A kind of reading that it meets beside another that it misses (``residual``, in standard deviations of the noise)
+    and what is known beforehand stay as sure as they are.
     """
     sd = noise.sd.copy()
-    for channel in {curve.channel for curve in curves if not curve.beforehand}:
-        rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves if curve.channel == channel])
+    kinds = [
+        np.concatenate([np.arange(curve.start, curve.stop) for curve in curves if curve.channel == channel])
+        for channel in {curve.channel for curve in curves if not curve.beforehand}
+    ]
+    missed = [rows for rows in kinds if np.mean(residual[rows] ** 2) > TOLD**2]
+    for rows in missed or kinds:
         sd[rows] = np.hypot(sd[rows], np.sqrt(np.mean(left[rows] ** 2)))
     return replace(noise, sd=sd)

@@ -59,15 +59,16 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
                 sd[rows] = np.maximum(sd[rows], least)
         source = source or how
     free = stated is None and problem.stated_sd is None
-    across_sd = 0.0
+    across_sd = rho = 0.0
     if np.any(problem.channel == 1):
-        sd, across_sd = _across(problem, sd, louder)
+        sd, across_sd, rho = _across(problem, sd, louder)
     (groups, alike), (across, alike_across) = (_specimens(problem, channel) for channel in (0, 1))
     starts = tuple(curve.start for curve in problem.curves)
     plain = Noise(
         sd,
         dof,
         source,
+        correlation=np.where(problem.channel == 1, rho, 0.0),
         across_sd=across_sd,
         starts=starts,
         groups=groups,
@@ -225,6 +226,13 @@ class _Compared:
     count: int
     misfit: float
 
+    @property
+    def correlation(self) -> float:
+        """Between neighbouring rows of one curve, where it is clearly one."""
+        # Interpolating one replicate onto the other and a fitted gain correlate a little: that claims nothing.
+        rho = float(np.mean(self.lags))
+        return min(rho, 0.98) if rho > 0.3 + 2.0 / np.sqrt(self.count) else 0.0
+
 
 def _compared(problem: Problem, sd: Array, channel: int) -> _Compared | None:
     found = []
@@ -279,9 +287,7 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
     noise = noise if sd is noise.sd else replace(noise, sd=sd)
     gain_sd = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
     doubt = _at_most(found.sure)
-    rho, rest, count = float(np.mean(found.lags)), float(np.mean(found.rests)), found.count
-    # Interpolating one replicate onto the other and a fitted gain correlate a little; below this nothing is claimed.
-    rho = rho if rho > 0.3 + 2.0 / np.sqrt(count) else 0.0
+    rho, rest, count = found.correlation, float(np.mean(found.rests)), found.count
     sd, dof = noise.sd, noise.dof
     if free and (rho or rest > 1.5):
         # What stresses differ by tells nothing of other readings.
@@ -296,7 +302,7 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
         source=noise.source if not free else "replicates and local differences",
         gain_sd=gain_sd if gain_sd >= _ALIKE else 0.0,
         gain_doubt=doubt if gain_sd >= _ALIKE else 0.0,
-        correlation=min(rho, 0.98),
+        correlation=np.where(problem.channel == 0, rho, noise.correlation),
     )
 
 
@@ -322,12 +328,12 @@ def winsorised(left: Array) -> Array:
     return np.clip(left, -most, most)
 
 
-def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float]:
-    """Return the noise with that of the transverse stretch as its replicates have it, and how much specimens scatter in
-    what they become narrower by (relative)."""
+def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float, float]:
+    """Return the noise with that of the transverse stretch as its replicates have it, how much specimens scatter in
+    what they become narrower by (relative), and how neighbouring rows of it correlate."""
     found, sd = _likelier(problem, sd, louder, 1)
     if found is None:
-        return sd, 0.0
+        return sd, 0.0, 0.0
     scatter = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
     wider = np.sqrt(max(float(np.mean(found.rests)), 1.0))
-    return np.where(problem.channel == 1, sd * wider, sd), scatter if scatter >= _ALIKE else 0.0
+    return np.where(problem.channel == 1, sd * wider, sd), scatter if scatter >= _ALIKE else 0.0, found.correlation

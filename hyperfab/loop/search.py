@@ -47,7 +47,7 @@ class Search:
             return self.state(best)
         # What the model misses counts as noise: the quietest test must not be all that it is fitted to. What a term is
         # worth is told from the model's own optimum under the noise, as that of every larger one is.
-        wrong = with_misfit(self.noise, self.problem.measured - best.predicted, self.problem.curves)
+        wrong = with_misfit(self.noise, self.problem.measured - best.predicted, best.residual, self.problem.curves)
         near = fit(self.problem, wrong, {}, best.x)
         own = min(best, fit(self.problem, self.noise, {}, near.x), key=lambda one: one.cost)
         self._own_optimum = Candidate(self.problem, self.noise, own)
@@ -191,14 +191,14 @@ class Search:
         return found
 
     def enriched(self, state: Candidate) -> Candidate:
-        """Return the model with its terms in richer forms, each step the one that takes most, while they pay by AIC:
-        where much is left of what names that stand are to explain, the simplest law is not the aim."""
+        """Return the model with its terms in richer forms while they pay by AIC: where much is left of what names that
+        stand are to explain, the simplest law is not the aim."""
         best = self._richest(self._richest(state.fit, free=False), free=True)
         return state if best is state.fit else self.state(best)
 
     def freed(self, base: Candidate, ids: Sequence[str], of: Collection[str] = ()) -> Candidate | None:
-        """Return the model of ``base`` with some terms, all of them or those ``of`` some names in their free forms
-        where these pay; None if one has no fit."""
+        """Return the model of ``base`` with some terms, all or ``of`` some names, free where that pays; None if one has
+        no fit."""
         state = base
         for name in ids:
             fitted = self.with_term(state, self.problem.effect(name))
@@ -211,15 +211,7 @@ class Search:
         for _ in range(_STEPS):
             if self._is_spent(best):
                 break
-            richer = [
-                found
-                for name in of or best.forms
-                for form in self.problem.effect(name).forms
-                if form.enriches(best.forms[name].name)
-                and form.free is free
-                and (found := self._enriched(best, name, form)) is not None
-            ]
-            if not richer:
+            if not (richer := self.richer(best, free, of)):
                 break
             found = min(richer, key=lambda one: one.chi2)
             level = Level.of([found], self.problem, self.noise)
@@ -228,6 +220,17 @@ class Search:
                 break
             best = found
         return best
+
+    def richer(self, best: Fit, free: bool, of: Collection[str] = ()) -> list[Fit]:
+        """Return the model with one of its terms in a richer form, all of them or those ``of`` some names."""
+        return [
+            found
+            for name in of or best.forms
+            for form in self.problem.effect(name).forms
+            if form.enriches(best.forms[name].name)
+            and form.free is free
+            and (found := self._enriched(best, name, form)) is not None
+        ]
 
     def _enriched(self, parent: Fit, name: str, form: Form) -> Fit | None:
         forms = {key: (form if key == name else one) for key, one in parent.forms.items()}
@@ -341,12 +344,9 @@ class Search:
             if name in smaller.fit.forms:
                 continue
             place = new.place(name)
-            away_signed = new.x[place] - np.array(form.null)
-            away = np.abs(away_signed)
-            sd = new.sd[place] * scale
-            covariance = new.covariance[place, place] * scale**2
-            together = float(away_signed @ inverse(covariance, 1e-10) @ away_signed)
-            if not np.any(away > TOLD * sd) and together < TOLD**2 + TOLD * len(sd):
+            away, sd = new.x[place] - np.array(form.null), new.sd[place] * scale
+            together = float(away @ inverse(new.covariance[place, place] * scale**2, 1e-10) @ away)
+            if not np.any(np.abs(away) > TOLD * sd) and together < TOLD**2 + TOLD * len(sd):
                 return False
             if form.of_each and _is_of_few(new, name, self.problem.curves):
                 return False

@@ -13,7 +13,7 @@ from loop.generators import fabric as truths
 from hyperfab.curve import TestCurve
 from hyperfab.loop.doubt import undoubted
 from hyperfab.loop.engine import Finding, close
-from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise, third_differences
@@ -205,6 +205,50 @@ def test_two_that_wait_elsewhere_are_compared_all_the_way() -> None:
     (pair,) = replicates(problem.curves)
     apart = difference(problem.measured, np.ones(len(problem.measured)), *pair)[0]
     assert len(apart) > 80
+
+
+def narrow_strips(seed: int, pulled: float, across: float) -> FabricProblem:
+    """Return three strips of a law that keeps its volume, narrower by another power; the errors of neighbouring
+    stresses are alike (``pulled``), those of widths too (``across``), each of its own size."""
+    random = np.random.default_rng(seed)
+
+    def wandering(rho: float, size: float) -> np.ndarray:
+        white = random.standard_normal(40)
+        left = white.copy()
+        for i in range(1, 40):
+            left[i] = rho * left[i - 1] + np.sqrt(1.0 - rho**2) * white[i]
+        return size * left
+
+    tests, stretch = [], np.linspace(1.0, 1.6, 40)
+    for name in "abc":
+        stress = 0.3 * (stretch - stretch**-2) * (1.0 + 0.01 * random.standard_normal()) + wandering(pulled, 2e-3)
+        width = stretch**-0.35 + wandering(across, 2e-3)
+        tests.append(TestCurve("uniaxial", stretch, stress, stretch2=width, source=name, specimen=name))
+    return fabric_problem(law("neo-hookean"), (0.15,), tests)
+
+
+@pytest.mark.parametrize(("pulled", "across"), [(0.8, 0.0), (0.0, 0.8)])
+def test_what_neighbouring_stresses_have_in_common_says_nothing_of_widths(pulled: float, across: float) -> None:
+    """Each kind of reading has a correlation of its own, or none."""
+    count = 0
+    for seed in range(12):
+        problem = narrow_strips(seed, pulled, across)
+        noise = estimate_noise(problem)
+        each = [np.unique(np.broadcast_to(noise.correlation, len(noise.sd))[problem.channel == k]) for k in (0, 1)]
+        assert [len(one) for one in each] == [1, 1]
+        count += [one[0] > 0.3 for one in each] == [pulled > 0.0, across > 0.0]
+    assert count >= 10
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_contraction_is_found_beside_stresses_that_wander(seed: int) -> None:
+    """Stresses that are met say where the law's constants stand, however far the widths are off; a width that needs
+    no law leaves them, and the strips left out, as they were."""
+    done = close(narrow_strips(seed, 0.8, 0.0), design=False)
+    assert (done.verdict, done.after.ids) == ("effect", ("compressibility",))
+    first = done.after.problem.channel == 0
+    left = [(done.after.problem.measured - state.fit.predicted)[first] for state in (done.before, done.after)]
+    assert np.sum(left[1] ** 2) <= np.sum(left[0] ** 2) * (1.0 + 1e-6)
 
 
 def steps_of(start: int, levels: np.ndarray) -> Curve:

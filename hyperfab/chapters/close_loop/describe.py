@@ -58,7 +58,7 @@ def describe(
             degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
             specimen_scatter=found.noise.gain_sd or None,
             contraction_scatter=found.noise.across_sd or None,
-            correlation=found.noise.correlation or None,
+            correlation=float(np.max(np.where(problem.channel == 0, found.noise.correlation, 0.0))) or None,
             assumed_scatter=found.assumed or None,
         ),
         error=_error(problem, found, 0, unit),
