@@ -21,26 +21,20 @@ from hyperfab.loop.doubt import (
     without_names,
 )
 from hyperfab.loop.fewest import fewest, likeliest
-from hyperfab.loop.fitting import Descent, Fit, descent, fit
+from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate, Evidence, common_bic
+from hyperfab.loop.no_worse import Apart, held, is_no_worse, no_worse, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import FEWEST, MARGIN, ODDS, TOLD
+from hyperfab.loop.wandering import wandering
 
 #: Terms added at most, and models carried along at each number of terms; one more where it is not told from the last.
 _DEPTH, _BEAM = 3, 2
 #: A model that leaves this many times more variance than the best is not carried along.
 _HOPELESS = 9.0
-
-
-#: Where more was read than stresses, sums of squares that differ by less are the same, but for how far a fit was led.
-_ALIKE = 1.0 + 1e-6
-#: How many times noisier what was read beside the stresses counts, where these would be missed by more for it.
-_LOOSER = (3.0, 10.0, 30.0)
-#: How far a fitted model misses readings that take no part.
-Apart = Callable[[Fit], float]
 
 
 @dataclass(frozen=True)
@@ -77,17 +71,40 @@ class Finding:
 def close(
     problem: Problem,
     *,
-    noise: float | Noise | None = None,
+    noise: float | None = None,
     tick: Callable[[str], None] = lambda text: None,
     refit: int = 6,
     design: bool = True,
-    again: bool = True,
     apart: Apart | None = None,
 ) -> Finding:
-    """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
-    else it is estimated. Once more (``again``) where all specimens scatter more than the replicates show. ``apart``
+    """Close the loop on a problem; ``noise`` is the standard deviation of a reading, else it is estimated: from what
+    neighbours and replicates differ by, and, where something then stays unexplained, as readings that wander. ``apart``
     returns how far a model misses readings that take no part: no effect is kept that makes that more."""
-    level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
+
+    def under(level: Noise, *, again: bool) -> Finding:
+        return _closed(problem, level, tick=tick, refit=refit, design=design, again=again, apart=apart)
+
+    found = under(estimate_noise(problem, noise), again=True)
+    if found.verdict != "unexplained" or not found.noise.least:
+        return found
+    wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
+    if not np.any(wanders.sd > found.noise.sd):
+        return found
+    more = under(wanders, again=False)
+    return found if more.verdict == "unexplained" else more
+
+
+def _closed(
+    problem: Problem,
+    level: Noise,
+    *,
+    tick: Callable[[str], None],
+    refit: int,
+    design: bool,
+    again: bool,
+    apart: Apart | None,
+) -> Finding:
+    """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
     search = Search(problem, level, tick, max(refit, problem.rich))
     before = search.base()
     if not np.isfinite(before.fit.cost):
@@ -103,14 +120,13 @@ def close(
     def sure_of(is_noise: bool = False) -> Belief:
         return belief(before, search.states, problem.sought, is_noise=is_noise).against(odds)
 
-    def once_more(gain_sd: float, gain_doubt: float = level.gain_doubt) -> Finding:
-        """Return what is found where all specimens scatter so much, which then counts as noise in all judgements."""
-        other = replace(level, gain_sd=gain_sd, gain_doubt=gain_doubt)
-        return close(problem, noise=other, tick=tick, refit=refit, design=design, again=False, apart=apart)
+    def under(other: Noise) -> Finding:
+        """Return what is found where noise is another, in all judgements."""
+        return _closed(problem, other, tick=tick, refit=refit, design=design, again=False, apart=apart)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""
-        return once_more(less, less * (1.0 + TOLD / np.sqrt(2.0 * len(level.groups))))
+        return under(replace(level, gain_sd=less, gain_doubt=less * (1.0 + TOLD / np.sqrt(2.0 * len(level.groups)))))
 
     def finding(verdict: str, after: Candidate, added: dict[str, Evidence], tried: dict[str, Evidence]) -> Finding:
         left = problem.measured - after.fit.predicted
@@ -136,12 +152,12 @@ def close(
         if depth > _DEPTH and problem.plain not in best.ids:
             break  # a better law leaves room for as many effects
         best, tried = _grow(search, before, depth)
-        best = _pruned(search, best)
+        best = pruned(search, best)
         best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
-        best = _pruned(search, best)  # beside a richer form another name may have nothing left to say
+        best = pruned(search, best)  # beside a richer form another name may have nothing left to say
         if best.ids and explains(before, best):
             break
-    helpful = _no_worse(search, before, best, apart)
+    helpful = no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
     best = _likely(search, before, helpful, sure_of)
     best, less = with_hidden(search, best, _DEPTH + (problem.plain in best.ids))
@@ -149,13 +165,13 @@ def close(
         return beside(less)
     scatter = min(likeliest_scatter(search, best)[1], level.gain_doubt) if level.gain_doubt else 0.0
     if again and scatter > level.gain_sd:
-        return once_more(scatter)
+        return under(replace(level, gain_sd=scatter))
     kept, against = undoubted(search, best)
-    kept = _no_worse(search, before, kept, apart)
+    kept = no_worse(search, before, kept, apart)
     doubted = tuple(name for name in best.ids if name not in kept.ids)
     if again and not (kept.ids and explains(before, kept)):
         scatter = scatter_of_one_cloth(search, kept, best)
-        found = once_more(scatter) if scatter else None
+        found = under(replace(level, gain_sd=scatter)) if scatter else None
         if found and (found.verdict != "unexplained" or len(found.after.ids) > len(kept.ids)):
             still = tuple(name for name in doubted if name not in found.after.ids)
             every = tuple(dict.fromkeys((*still, *found.doubted)))
@@ -164,11 +180,11 @@ def close(
     if not kept.ids:
         verdict, assumed = without_names(search, before, bool(doubted))
         return replace(finding(verdict, before, {}, tried), doubted=doubted, worse=worse, assumed=assumed)
-    best = _held(search, before, _ordered(search, kept), apart)
+    best = held(search, before, _ordered(search, kept), apart)
     tick("rivals")
     others = rivals(search, best, sure_of)
     while (likelier := _likelier(search, before, best, apart)) is not None:
-        best = _held(search, before, _ordered(search, likelier), apart)
+        best = held(search, before, _ordered(search, likelier), apart)
         others = rivals(search, best, sure_of)
     sets = indistinguishable(problem, others, best.fit.forms)
     added = {name: search.evidence(search.without(best, name), best) for name in best.ids}
@@ -315,71 +331,6 @@ def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart |
     found, _ = undoubted(search, found)
     clear = surprise(found) < surprise(best) - np.log(ODDS)
     return found if found.ids and {*found.ids} != {*best.ids} and clear else None
-
-
-def _pruned(search: Search, best: Candidate) -> Candidate:
-    """Take out every term that no longer pays now that the others are there, the last one too."""
-    while best.ids:
-        worth = {name: search.without(best, name) for name in best.ids}
-        evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
-        weak = [name for name in best.ids if not evidence[name].pays()]
-        if not weak:
-            break
-        best = worth[min(weak, key=lambda name: evidence[name].delta_bic)]
-    return best
-
-
-def _no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate:
-    """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
-    apart), the best with no other names that does not.
-
-    That may be one of the same forms that gives up some contraction for the stresses, one of richer forms that leaves
-    these alone, or one of simpler forms. What is left then has to pay anew.
-    """
-    while best.ids and not is_no_worse(base, best := _held(search, base, best, apart), apart):
-        fewer = [search.without(best, name) for name in best.ids]
-        simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
-        richer = [_held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
-        by_cost = sorted([*richer, *simpler, *fewer], key=lambda state: state.fit.cost)
-        good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
-        best = _pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
-    return best
-
-
-def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
-    """Whether a model misses no more than another, plainly and everywhere."""
-    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
-    first, measured = state.problem.channel == 0, state.problem.measured
-    alike = 1.0 if first.all() else _ALIKE
-    for old, new in pairs:
-        told = first & np.isfinite(old) & np.isfinite(new)
-        if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
-            return False
-    return apart is None or apart(state.fit) <= apart(base.fit)
-
-
-def _held(search: Search, base: Candidate, state: Candidate, apart: Apart | None) -> Candidate:
-    """Return the model so fitted that it is no worse than another: what was read beside the stresses counts less and
-    less until these are missed by no more.
-
-    Where the terms have no say in the stresses, the model's own constants stay as they are.
-    """
-    beside = state.problem.channel > 0
-    if not beside.any():
-        return state
-    own = state.fit.own
-    as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
-    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
-    if kept.cost <= state.fit.cost * _ALIKE:
-        state = Candidate(search.problem, search.noise, kept.fit(search.noise))
-    held, looser = state, iter(_LOOSER)
-    while not is_no_worse(base, held, apart):
-        if (factor := next(looser, None)) is None:
-            return state
-        noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
-        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
-        held = Candidate(search.problem, search.noise, descended.fit(search.noise))
-    return held
 
 
 def _ordered(search: Search, best: Candidate) -> Candidate:

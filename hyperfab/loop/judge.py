@@ -7,7 +7,7 @@ Models are compared on one scale: chi-squared with the present misfit as noise, 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -276,6 +276,8 @@ class Candidate:
     fit: Fit
     #: The noise it was fitted under, where that is another.
     under: Noise | None = None
+    #: The model that says the same of all stresses, of tests left out too.
+    says: Candidate | None = None
 
     @cached_property
     def found(self) -> list[Signature]:
@@ -298,7 +300,11 @@ class Candidate:
     @cached_property
     def forecast(self) -> Forecast:
         """Each test predicted by a fit to the others."""
-        return forecast(self.problem, self.under or self.noise, self.fit)
+        found = forecast(self.problem, self.under or self.noise, self.fit)
+        if self.says is None:
+            return found
+        first = self.problem.channel == 0
+        return replace(found, predicted=np.where(first, self.says.forecast.predicted, found.predicted))
 
     @property
     def excess(self) -> float:

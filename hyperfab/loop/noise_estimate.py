@@ -13,6 +13,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, replicates, told_apart
 from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, ONE_CLOTH, TOLD, UNLIKELY
+from hyperfab.loop.wandering import wandering
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
 MAD = 1.4826
@@ -79,6 +80,9 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         measured=y.copy(),
         least=problem.least_noise if free else 0.0,
     )
+    if free and np.any(problem.channel == 1):
+        # No law bends a width as fast as it wanders; of stresses that is not known.
+        plain = wandering(problem, plain, y, 1)
     return _with_replicates(problem, plain, louder, free)
 
 

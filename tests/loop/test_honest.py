@@ -16,10 +16,11 @@ from loop.generators import fabric as truths
 from hyperfab.chapters.close_loop.words import _at_bounds
 from hyperfab.curve import TestCurve
 from hyperfab.loop.belief import Belief
-from hyperfab.loop.engine import _likely, _no_worse, _pruned, close, is_no_worse
+from hyperfab.loop.engine import _likely, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate
+from hyperfab.loop.no_worse import is_no_worse, no_worse, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.search import Search
@@ -145,7 +146,7 @@ def test_the_last_term_is_asked_too() -> None:
     search = Search(problem, estimate_noise(problem))
     base = search.base()
     idle = min(search.candidates(base), key=lambda one: one[1].delta_bic)[0]
-    assert _pruned(search, idle) is base
+    assert pruned(search, idle) is base
 
 
 def test_no_term_is_kept_with_which_readings_set_apart_are_missed_by_more() -> None:
@@ -165,7 +166,7 @@ def test_a_model_that_misses_left_out_tests_by_more_is_none() -> None:
     forms = {"elastic-law": problem.effect("elastic-law").form("straightening-log")}
     start = np.concatenate([base.fit.x, [0.05, 0.3, 0.05, 0.0]])
     larger = search.state(fit(problem, search.noise, forms, start))
-    kept = _no_worse(search, base, larger, None)
+    kept = no_worse(search, base, larger, None)
     assert is_no_worse(base, kept)
 
 

@@ -196,6 +196,8 @@ def _how_far(document: LoopDocument) -> str:
     error = document.error
     unit = error.unit
     noise = f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}"
+    if document.noise.correlation:
+        noise += f", neighbouring readings alike by {document.noise.correlation:.2g}"
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
     given = "" if error.delivered is None else f"As delivered the model misses by {_size(error.delivered, unit)}. "

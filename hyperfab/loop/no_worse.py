@@ -1,0 +1,85 @@
+"""No model with names is kept that misses stresses by more than the one without: what is done about one that does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from hyperfab.loop.fitting import Descent, Fit, descent
+from hyperfab.loop.judge import Candidate
+from hyperfab.loop.search import Search
+
+#: Where more was read than stresses, sums of squares that differ by less are the same, but for how far a fit was led.
+_ALIKE = 1.0 + 1e-6
+#: How many times noisier what was read beside the stresses counts, where these would be missed by more for it.
+_LOOSER = (3.0, 10.0, 30.0)
+#: How far a fitted model misses readings that take no part.
+Apart = Callable[[Fit], float]
+
+
+def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate:
+    """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
+    apart), the best with no other names that does not.
+
+    That may be one of the same forms that gives up some contraction for the stresses, one of richer forms that leaves
+    these alone, or one of simpler forms. What is left then has to pay anew.
+    """
+    while best.ids and not is_no_worse(base, best := held(search, base, best, apart), apart):
+        fewer = [search.without(best, name) for name in best.ids]
+        simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
+        richer = [held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
+        by_cost = sorted([*richer, *simpler, *fewer], key=lambda state: state.fit.cost)
+        good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
+        best = pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
+    return best
+
+
+def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
+    """Whether a model misses no more than another, plainly and everywhere."""
+    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
+    first, measured = state.problem.channel == 0, state.problem.measured
+    alike = 1.0 if first.all() else _ALIKE
+    for old, new in pairs:
+        told = first & np.isfinite(old) & np.isfinite(new)
+        if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
+            return False
+    return apart is None or apart(state.fit) <= apart(base.fit)
+
+
+def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None) -> Candidate:
+    """Return the model so fitted that it is no worse than another: what was read beside the stresses counts less and
+    less until these are missed by no more.
+
+    Where the terms have no say in the stresses, the model's own constants stay as they are.
+    """
+    beside = state.problem.channel > 0
+    if not beside.any():
+        return state
+    own = state.fit.own
+    as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
+    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
+    if kept.cost <= state.fit.cost * _ALIKE:
+        alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
+        state = Candidate(search.problem, search.noise, kept.fit(search.noise), says=base if alike else None)
+    held, looser = state, iter(_LOOSER)
+    while not is_no_worse(base, held, apart):
+        if (factor := next(looser, None)) is None:
+            return state
+        noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
+        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
+        held = Candidate(search.problem, search.noise, descended.fit(search.noise))
+    return held
+
+
+def pruned(search: Search, best: Candidate) -> Candidate:
+    """Take out every term that no longer pays now that the others are there, the last one too."""
+    while best.ids:
+        worth = {name: search.without(best, name) for name in best.ids}
+        evidence = {name: search.evidence(smaller, best) for name, smaller in worth.items()}
+        weak = [name for name in best.ids if not evidence[name].pays()]
+        if not weak:
+            break
+        best = worth[min(weak, key=lambda name: evidence[name].delta_bic)]
+    return best

@@ -1,0 +1,68 @@
+"""Noise of which neighbouring readings have something in common, told from single curves: no replicate is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.polynomial.chebyshev import chebvander
+
+from hyperfab.arrays import Array
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Curve, Problem
+from hyperfab.loop.replicates import moving
+from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST
+
+#: What is smooth along a way up or down is a polynomial of this degree at most, of one for so many readings.
+_DEGREE, _EACH = 8, 5
+#: Correlations of neighbours that are tried.
+_TRIED = np.round(np.arange(0.0, 0.95, 0.05), 2)
+
+
+def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Noise:
+    """Return the noise with what neighbouring readings of a kind have in common, where that is clear.
+
+    ``left`` (rows) is what a model leaves, or the readings where they are smooth themselves. What wanders by more than
+    neighbours differ by is no effect: it does so in each test in another way, and faster than any law bends. Beside a
+    polynomial along each way up or down it is an autoregression of first order, told by restricted likelihood
+    (Patterson & Thompson 1971, doi:10.1093/biomet/58.3.545), in most of the curves.
+    """
+    own = problem.channel == channel
+    correlation = np.broadcast_to(noise.correlation, len(noise.sd))
+    curves = [curve for curve in problem.curves if curve.channel == channel]
+    each = [one for curve in curves if (one := _likelihood(curve, left, noise.sd)) is not None]
+    if not each or np.any(correlation[own]):
+        return noise
+    rest, unlikely, free, rows, terms = (np.array(part) for part in zip(*each, strict=True))
+    variance = rest.sum(axis=0) / free.sum()
+    every = free.sum() * np.log(variance) + unlikely.sum(axis=0)
+    # What reaches farther than such a polynomial bends is no longer told from it.
+    best = int(np.argmin(np.where(np.exp(-terms.sum() / rows.sum()) >= _TRIED, every, np.inf)))
+    alone = free[:, None] * np.log(rest) + unlikely
+    agree = free @ (alone[:, best] < alone[:, 0]) / free.sum()
+    if every[0] - every[best] < MARGIN or agree < MOST or variance[best] <= 1.0:
+        return noise
+    sd = np.where(own, np.sqrt(variance[best]) * noise.sd, noise.sd)
+    source = f"{noise.source}, neighbours alike" if channel == 0 else noise.source
+    return replace(noise, sd=sd, correlation=np.where(own, _TRIED[best], correlation), source=source)
+
+
+def _likelihood(curve: Curve, left: Array, sd: Array) -> tuple[Array, Array, int, int, int] | None:
+    """Return, for each correlation that is tried, what polynomials leave of a curve (sum of squares, in units of the
+    noise) and the rest of minus twice the logarithm of the likelihood; degrees of freedom, readings and terms."""
+    ways = [piece for piece in moving(curve) if piece.stop - piece.start >= FEWEST]
+    rest, unlikely, rows, terms = np.zeros(len(_TRIED)), np.zeros(len(_TRIED)), 0, 0
+    for piece in ways:
+        along = curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
+        middle, half = 0.5 * (np.max(along) + np.min(along)), 0.5 * np.ptp(along) or 1.0
+        count = len(along)
+        smooth = chebvander((along - middle) / half, min(count // _EACH, _DEGREE))
+        both = np.column_stack([smooth, left[piece]]) / sd[piece, None]
+        for j, rho in enumerate(_TRIED):
+            told = both.copy()
+            told[1:] = (both[1:] - rho * both[:-1]) / np.sqrt(1.0 - rho**2)
+            size = np.abs(np.diag(np.asarray(np.linalg.qr(told, mode="r"))))
+            rest[j] += size[-1] ** 2
+            unlikely[j] += (count - 1) * np.log(1.0 - rho**2) + 2.0 * np.sum(np.log(size[:-1]))
+        rows, terms = rows + count, terms + smooth.shape[1]
+    return (rest, unlikely, rows - terms, rows, terms) if ways and np.all(rest > 0.0) else None
