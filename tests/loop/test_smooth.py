@@ -12,8 +12,10 @@ from loop.blind import case
 from loop.generators.fabric import IDS
 from scipy.interpolate import CubicSpline
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.belief import belief, surprise
 from hyperfab.loop.engine import close
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.heldout import HeldOut, help_of
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
@@ -311,3 +313,17 @@ def test_what_is_said_to_be_sure_is_right_as_often() -> None:
             if name != problem.plain or name == effect:
                 stated, right = stated + sure, right + (name == effect)
     assert abs(stated - right) < 1.5
+
+
+def test_a_stiffness_that_goes_with_no_logarithm_of_the_rate_is_the_rate_alone() -> None:
+    """Eyring's asinh at four rates, single pulls: branches that are not quite it left a name more to make up."""
+    random, stretch = np.random.default_rng(3), np.linspace(1.0, 1.6, 20)
+    first = stretch**2 + 2.0 / stretch - 3.0
+    tests = []
+    for rate in (5e-4, 5e-3, 5e-2, 0.5):
+        stress = 2.0 * (stretch - stretch**-2) * (0.2 + 0.05 * first + 0.01 * first**2)
+        stress = stress * (1.0 + 0.2 * np.arcsinh(rate / 2e-3)) + 2e-3 * random.standard_normal(20)
+        time = (stretch - 1.0) / rate
+        tests.append(TestCurve("uniaxial", stretch, stress, time_s=time, source=f"{rate}", specimen=f"{rate}"))
+    done = close(fabric_problem(law("yeoh-3"), (0.2, 0.05, 0.01), tests), design=False)
+    assert (done.verdict, done.after.ids) == ("effect", ("rate",))

@@ -437,6 +437,8 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("rate", "viscous", (0.02, 0.5),
      lambda r: P(r.l) + math.copysign(0.02, speed(r)) * (abs(speed(r)) / PACE) ** 0.5 if speed(r) else P(r.l)),
     ("rate", "log-rate", (0.05,), lambda r: P(r.l) * (1.0 + 0.05 * math.log(TOLD[ROWS.index(r)] / MEAN_RATE))),
+    ("rate", "log-rate-smooth", (0.02, 0.5, 0.1, 0.15, 0.3),
+     lambda r: P(r.l) * (1.0 + spline((0.1, 0.15, 0.3), math.log(TOLD[ROWS.index(r)] / 0.02) / math.log(25.0)))),
     ("mullins", "pseudo-elastic", (0.4, 0.1), lambda r: P(r.l) * (1.0 - 0.4 * math.erf((W(r.lm) - W(r.l)) / 0.1))),
     ("mullins", "pseudo-elastic-beta", (0.4, 0.1, 0.7),
      lambda r: P(r.l) * (1.0 - 0.4 * math.erf((W(r.lm) - W(r.l)) / (0.1 + 0.7 * W(r.lm))))),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.materials.effects.path import Acts, Path, State, second_stretch
+from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.law import Array
 from hyperfab.numerics.kernels import inlined, kernel
@@ -310,6 +311,17 @@ def _log_rate(at: State, stress: Array, values: Array) -> Array:
     return stress * quickened(at.rate, at.usual_rate, values[0])
 
 
+def _log_rate_smooth(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress times a smooth function of the logarithm of the strain rate, 1 at the slowest.
+
+    ``values`` are the slowest and fastest rate [1/s], and what is more at thirds of the way between.
+    """
+    assert at.rate is not None
+    slowest, fastest = values[:2]
+    along = np.log(np.maximum(at.rate, 1e-12) / slowest) / np.log(fastest / slowest)
+    return stress * (1.0 + through(along, values[2:]))
+
+
 def _thinning_beside(at: State, stress: Array, values: Array) -> Array:
     found = stress + thinning(at.path, stress, *values[:3])
     return found + relaxing(at.path, stress, [values[3]], [values[4]])
@@ -346,4 +358,5 @@ FORMS: Mapping[str, Acts] = {
     "smooth-shifted": _shifted(spectrum),
     "viscous": lambda at, stress, values: stress + resisting(at.path, values[0], values[1], at.pace),
     "log-rate": _log_rate,
+    "log-rate-smooth": _log_rate_smooth,
 }

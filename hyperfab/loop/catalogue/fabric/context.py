@@ -59,13 +59,22 @@ class DataContext:
             at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(rows)
         return sum(self._tell_time(curves) for curves in at.values())
 
-    def _tell_time(self, curves: Sequence[slice]) -> bool:
+    @property
+    def paces(self) -> Array:
+        """The rates at which specimens were pulled [1/s], each further from the last than one pace is kept."""
+        return self._paces(self.path.curves)
+
+    def _paces(self, curves: Sequence[slice]) -> Array:
         speed = np.abs(self.path.speed)
         going = [speed[rows][speed[rows] > 0.0] for rows in curves]
-        pace = [float(np.median(one)) for one in going if len(one)]
-        if pace and max(pace) > ONE_PACE * min(pace):
-            return True
-        return any(self.path.still[rows].any() for rows in curves)
+        found: list[float] = []
+        for pace in sorted(float(np.median(one)) for one in going if len(one)):
+            if not found or pace > ONE_PACE * found[-1]:
+                found.append(pace)
+        return np.array(found)
+
+    def _tell_time(self, curves: Sequence[slice]) -> bool:
+        return len(self._paces(curves)) > 1 or any(self.path.still[rows].any() for rows in curves)
 
     @property
     def angles(self) -> Array:

@@ -113,6 +113,11 @@ def rate(context: DataContext) -> Effect:
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
     frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]
     frees += each_way(context, *frees)
+    paces = context.paces
+    slow, fast = (float(paces[0]), float(paces[-1])) if len(paces) > 2 else (1.0 / whole, 1.0 / step)
+    more = [Constant(f"more_{k}", 0.0, -0.9, 9.0, 0.05) for k in range(1, 4)]
+    by_rate = (fixed("slowest_1_s", slow), fixed("fastest_1_s", fast), *more)
+    frees += tried_if(len(paces) > 2, freely(forms, "log-rate-smooth", by_rate, (slow, fast, 0.05, 0.1, 0.15)))
     shifted, free = _by_the_clock_of_the_material(context, forms, frees[0])
     # Of two temperatures, or where times are told at one alone, a shift and a softening tell the same.
     told = len(context.temperatures) > 2 and context.clocks > 1
