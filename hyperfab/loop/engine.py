@@ -23,7 +23,7 @@ from hyperfab.loop.doubt import (
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate, Evidence, common_bic
-from hyperfab.loop.no_worse import Apart, held, is_no_worse, no_worse, pruned
+from hyperfab.loop.no_worse import Apart, held, is_no_worse, no_worse, of_same_names, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
@@ -153,6 +153,7 @@ def _closed(
             break  # a better law leaves room for as many effects
         best, tried = _grow(search, before, depth)
         best = pruned(search, best)
+        best = of_same_names(search, before, best, apart) or best
         best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
         best = pruned(search, best)  # beside a richer form another name may have nothing left to say
         if best.ids and explains(before, best):

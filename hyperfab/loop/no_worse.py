@@ -23,17 +23,31 @@ def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | No
     """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
     apart), the best with no other names that does not.
 
-    That may be one of the same forms that gives up some contraction for the stresses, one of richer forms that leaves
-    these alone, or one of simpler forms. What is left then has to pay anew.
+    That may be one of the same names in other forms, or one of simpler forms. What is left then has to pay anew.
     """
-    while best.ids and not is_no_worse(base, best := held(search, base, best, apart), apart):
+    while best.ids:
+        same = of_same_names(search, base, best, apart)
+        if same is not None:
+            return same
         fewer = [search.without(best, name) for name in best.ids]
         simpler = [state for state in search.states if state.ids and {*state.ids} <= {*best.ids}]
-        richer = [held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
-        by_cost = sorted([*richer, *simpler, *fewer], key=lambda state: state.fit.cost)
+        by_cost = sorted([*simpler, *fewer], key=lambda state: state.fit.cost)
         good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
         best = pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
     return best
+
+
+def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:
+    """Return the model, or one of its names that gives up some contraction for the stresses, or in richer forms leaves
+    these alone; None where each misses more than the one without names."""
+    found = held(search, base, best, apart)
+    if is_no_worse(base, found, apart):
+        return found
+    if not np.any(search.problem.channel > 0):
+        return None
+    richer = [held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
+    good = [state for state in richer if is_no_worse(base, state, apart)]
+    return min(good, key=lambda state: state.fit.cost, default=None)
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
@@ -60,17 +74,17 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
     own = state.fit.own
     as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
     kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
-    if kept.cost <= state.fit.cost * _ALIKE:
-        alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
+    alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
+    if alike or kept.cost <= state.fit.cost * _ALIKE:
         state = Candidate(search.problem, search.noise, kept.fit(search.noise), says=base if alike else None)
-    held, looser = state, iter(_LOOSER)
-    while not is_no_worse(base, held, apart):
+    found, looser = state, iter(_LOOSER)
+    while not is_no_worse(base, found, apart):
         if (factor := next(looser, None)) is None:
             return state
         noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
         descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
-        held = Candidate(search.problem, search.noise, descended.fit(search.noise))
-    return held
+        found = Candidate(search.problem, search.noise, descended.fit(search.noise))
+    return found
 
 
 def pruned(search: Search, best: Candidate) -> Candidate:
