@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import chebvander
 from hyperfab.arrays import Array
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.replicates import moving
+from hyperfab.loop.replicates import moving, replicates
 from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST
 
 #: What is smooth along a way up or down is a polynomial of this degree at most, of one for so many readings.
@@ -20,7 +20,8 @@ _TRIED = np.round(np.arange(0.0, 0.95, 0.05), 2)
 
 
 def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Noise:
-    """Return the noise with what neighbouring readings of a kind have in common, where that is clear.
+    """Return the noise with what neighbouring readings of a kind have in common, where that is clear and no replicates
+    have told it.
 
     ``left`` (rows) is what a model leaves, or the readings where they are smooth themselves. What wanders by more than
     neighbours differ by is no effect: it does so in each test in another way, and faster than any law bends. Beside a
@@ -31,7 +32,7 @@ def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Nois
     correlation = np.broadcast_to(noise.correlation, len(noise.sd))
     curves = [curve for curve in problem.curves if curve.channel == channel]
     each = [one for curve in curves if (one := _likelihood(curve, left, noise.sd)) is not None]
-    if not each or np.any(correlation[own]):
+    if not each or replicates(problem.curves, channel):
         return noise
     rest, unlikely, free, rows, terms = (np.array(part) for part in zip(*each, strict=True))
     variance = rest.sum(axis=0) / free.sum()
@@ -53,7 +54,7 @@ def _likelihood(curve: Curve, left: Array, sd: Array) -> tuple[Array, Array, int
     ways = [piece for piece in moving(curve) if piece.stop - piece.start >= FEWEST]
     rest, unlikely, rows, terms = np.zeros(len(_TRIED)), np.zeros(len(_TRIED)), 0, 0
     for piece in ways:
-        along = curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
+        along = curve.places[piece.start - curve.start : piece.stop - curve.start]
         middle, half = 0.5 * (np.max(along) + np.min(along)), 0.5 * np.ptp(along) or 1.0
         count = len(along)
         smooth = chebvander((along - middle) / half, min(count // _EACH, _DEGREE))
