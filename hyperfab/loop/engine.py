@@ -71,20 +71,21 @@ class Finding:
 def close(
     problem: Problem,
     *,
-    noise: float | None = None,
+    noise: float | Noise | None = None,
     tick: Callable[[str], None] = lambda text: None,
     refit: int = 6,
     design: bool = True,
     apart: Apart | None = None,
 ) -> Finding:
-    """Close the loop on a problem; ``noise`` is the standard deviation of a reading, else it is estimated: from what
-    neighbours and replicates differ by, and, where something then stays unexplained, as readings that wander. ``apart``
-    returns how far a model misses readings that take no part: no effect is kept that makes that more."""
+    """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
+    else it is estimated: from what neighbours and replicates differ by, and, where something then stays unexplained, as
+    readings that wander. ``apart`` returns how far a model misses readings that take no part: no effect is kept that
+    makes that more."""
 
     def under(level: Noise, *, again: bool) -> Finding:
         return _closed(problem, level, tick=tick, refit=refit, design=design, again=again, apart=apart)
 
-    found = under(estimate_noise(problem, noise), again=True)
+    found = under(noise if isinstance(noise, Noise) else estimate_noise(problem, noise), again=True)
     if found.verdict != "unexplained" or not found.noise.least:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
