@@ -46,7 +46,8 @@ def fewest(
             search.freed(before, [name, plain])
     found = likeliest(search, before, no_worse)
     if found is None or len({*found.ids} - {plain}) > 1:
-        for ids in combinations([name for name in best.ids if name != plain], 2):
+        named = dict.fromkeys([*best.ids, *(() if found is None else found.ids)])
+        for ids in combinations([name for name in named if name != plain], 2):
             search.freed(before, ids)
         found = likeliest(search, before, no_worse)
     if found is None and 0 < len(whole.ids) < 3:
@@ -85,8 +86,9 @@ def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate],
         and np.isfinite(state.fit.chi2)
         and structured(state.fit, search.problem, search.noise, least) <= limit
     ]
-    # Of two that leave nothing at all, a formula of two names and a free law of one, the one name.
-    for state in sorted(near, key=lambda one: (surprise(one), len(one.ids))):
+    # Of two that leave nothing at all, a formula of two names and a free law of one, the one name; of as many names the
+    # fewer constants.
+    for state in sorted(near, key=lambda one: (surprise(one), len(one.ids), len(one.fit.x))):
         if explains(before, state) and _pays(search, state) and no_worse(state):
             return state
     return None

@@ -279,8 +279,8 @@ class Search:
         if form.takes_over:
             kept, others = self.problem.scaled(parent.x[: parent.own], _NEXT_TO_NOTHING), parent.x[parent.own :]
             starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
-        if self.problem.well_known:
-            # A model that lacks much drifts far from what is known; the way back is long.
+        if self.problem.well_known or len(self.problem.starts):
+            # A model that lacks much drifts far from what is known; the way back is long, or leads elsewhere.
             own = [constant.value for constant in self.problem.own]
             starts += [np.concatenate([own, start[len(own) :]]) for start in starts]
         best = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
