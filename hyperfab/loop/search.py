@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import chdtrc
 
-from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import Help, help_of
 from hyperfab.loop.judge import Candidate, Evidence, Level, correlation_time, structured_of_each
@@ -269,21 +268,21 @@ class Search:
         if key in self._fits:
             return self._fits[key]
         self.tick(effect.id)
-        starts: list[Array] = []
         if simpler is not None:
-            given = simpler.x[simpler.place(effect.id)]
-            begin = form.begin(simpler.forms[effect.id], given)
-            starts.append(np.concatenate([simpler.x[: len(parent.x)], begin]))
+            begin = form.begin(simpler.forms[effect.id], simpler.x[simpler.place(effect.id)])
+            starts = [np.concatenate([simpler.x[: len(parent.x)], begin])]
         else:
             starts = [np.concatenate([parent.x, np.array(start)]) for start in form.starts]
         if form.takes_over:
             kept, others = self.problem.scaled(parent.x[: parent.own], _NEXT_TO_NOTHING), parent.x[parent.own :]
             starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
-        if self.problem.well_known or len(self.problem.starts):
-            # A model that lacks much drifts far from what is known; the way back is long, or leads elsewhere.
-            own = [constant.value for constant in self.problem.own]
-            starts += [np.concatenate([own, start[len(own) :]]) for start in starts]
-        best = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
+        # A model that lacks much drifts far from what is known: the way back is long, or leads elsewhere.
+        own = [constant.value for constant in self.problem.own]
+        delivered = [np.concatenate([own, start[len(own) :]]) for start in starts]
+        # Where a law has several optima each way is gone to its end.
+        ways = [starts, delivered] if len(self.problem.starts) else [starts + self.problem.well_known * delivered]
+        tries = [descent(self.problem, self.noise, forms, way, coarse=True) for way in ways]
+        best = min(tries, key=lambda one: one.cost).fit(self.noise)
         if not np.isfinite(best.chi2) or (form.of_each and _is_of_few(best, effect.id, self.problem.curves)):
             return None
         self._fits[key] = best
