@@ -235,6 +235,15 @@ def _curve(name: str, first: int, times: Array, kept: Ints, jumps: Ints) -> Curv
     return Curve(name, int(start), int(stop), times[kept[start:stop] - first], tuple(inside))
 
 
+def _reach(kind: str, prior: float) -> float:
+    return prior * _FARTHEST.get(kind, _FAR)
+
+
+def least_of(kind: str, prior: float) -> float:
+    """Return the least factor that a constant of a kind may take, whose relative standard deviation is ``prior``."""
+    return max(1.0 - _reach(kind, prior), 0.05)
+
+
 def heat_problem(
     mold: ReducedMold,
     times: Array,
@@ -252,14 +261,13 @@ def heat_problem(
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
     """
     # Far from what the document says a constant would only stand in for what the model lacks.
-    reach = {kind: prior * _FARTHEST.get(kind, _FAR) for _, kind in own}
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
         else Constant(
             key,
             1.0,
-            *((1.0, 1.0) if key in fixed else (max(1.0 - reach[kind], 0.05), 1.0 + reach[kind])),
+            *((1.0, 1.0) if key in fixed else (least_of(kind, prior), 1.0 + _reach(kind, prior))),
             0.1,
             prior,
         )

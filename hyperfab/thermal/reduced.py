@@ -21,7 +21,7 @@ from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.reduced_steps import Course, Faces, Numbers, Parts, march
 from hyperfab.thermal.run_basis import SOLVE, beside_uniform
-from hyperfab.thermal.settings import POINTS, Film, Patch, Settings, patch
+from hyperfab.thermal.settings import Film, Patch, Settings, patch, points_for
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
 
@@ -197,6 +197,7 @@ def reduce(
     scales: Sequence[float] = SCALES,
     absent: Sequence[Convection] = (),
     states: Sequence[Array] = (),
+    conducting: Sequence[float] = (1.0,),
 ) -> ReducedMold:
     """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
 
@@ -205,7 +206,8 @@ def reduce(
     ``held`` are the conditions that stand for faces at a given temperature; one over ``scales`` are the
     time scales of the basis, as shares of the duration. Films that are ``absent`` but where settings scale them come
     after the others; ``states`` (n,) are temperatures that the basis is to hold,
-    and the answers to what leaves and what flows at the last of them.
+    and the answers to what leaves and what flows at the last of them. ``conducting`` are factors on all conductivities
+    that the basis is to answer at.
     """
     films = [c for c in model.conditions if isinstance(c, Convection) and c not in held]
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
@@ -225,7 +227,8 @@ def reduce(
         flows = np.array([model.pattern.matrix(one.conduction(last)) @ (last - last.mean()) for one in media])
         loads += [flows[materials == kind].sum(axis=0) for kind in range(len(names))]
     vectors = [start, *states, *within, *began]
-    basis = _basis(model, vectors, loads, across if joints or opened else [], [duration / share for share in scales])
+    across = across if joints or opened else []
+    basis = _basis(model, vectors, loads, across, [duration / share for share in scales], conducting)
     mass, stiffness, means = _on_basis(model, media, basis)
 
     def apart(joint: Contact) -> Array:
@@ -255,7 +258,7 @@ def reduce(
         surroundings=ambient,
         heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
         joints=[(jump(c), c.closed) for c in joints],
-        opened=[patch(apart(c), c.near.weights.ravel(), points(c.near)) for c in opened],
+        opened=[patch(apart(c), c.near.weights.ravel(), points(c.near), whole=True) for c in opened],
         basis=basis,
         probes=probes @ basis,
         parts=np.stack([one @ basis / one.sum() for one in within]),
@@ -287,8 +290,9 @@ def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emis
     """Return a face by a few points: neighbours in temperature count as one, with their areas together."""
     rows = facets.at_points_of(basis)
     weights = facets.weights.ravel()
-    if len(weights) > POINTS:
-        rows, weights = lumped(rows, weights, POINTS)
+    count = points_for(rows)
+    if len(weights) > count:
+        rows, weights = lumped(rows, weights, count)
     return Film(rows, weights, film, ambient, emissivity)
 
 
@@ -321,6 +325,16 @@ def _on_basis(model: HeatModel, media: Sequence[Medium], basis: Array) -> tuple[
     return np.stack(mass), np.stack(stiffness), np.stack(means)
 
 
+def _conducting(model: HeatModel, factor: float) -> HeatModel:
+    """Return the model with all conductivities times a factor."""
+    if factor == 1.0:
+        return model
+    materials = [
+        replace(one, conductivity=Table(one.conductivity.x, factor * one.conductivity.y)) for one in model.materials
+    ]
+    return replace(model, materials=materials)
+
+
 def _loosened(model: HeatModel) -> HeatModel:
     """Return the model with joints that conduct badly: the basis has to hold their jumps too."""
     loose = [
@@ -345,14 +359,19 @@ def _basis(
     loads: Sequence[Array],
     across: Sequence[Array],
     scales: Sequence[float],
+    conducting: Sequence[float],
 ) -> Array:
     """Return what spans the vectors and the answers to ``loads`` [W] within the time scales [s], orthonormal in the
-    heat capacity, the first uniform; to those ``across`` joints too where these conduct badly.
+    heat capacity, the first uniform; to those ``across`` joints too where these conduct badly; and all of these where
+    the parts are ``conducting`` as many times as well.
     """
     found, start = list(vectors), vectors[0]
     capacity = model.pattern.matrix(model.medium.capacity(start))
-    loose = [(_loosened(model), across)] if across else []
-    for one, driven in [(model, loads), *loose]:
+    asked = []
+    for factor in conducting:
+        own = _conducting(model, factor)
+        asked += [(own, loads), *([(_loosened(own), across)] if across else [])]
+    for one, driven in asked:
         for scale in scales:
             matrix = one.step_matrix(0.0, scale, start)
             found += [one.solve(matrix, load, SOLVE) for load in driven]

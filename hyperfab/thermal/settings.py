@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -11,8 +12,9 @@ from hyperfab.arrays import Array
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.tables import Table
 
-#: Points that stand for a face or a joint.
-POINTS = 48
+#: Points that stand for a face, and how many times as many as there are unknowns at least: fewer points than unknowns
+#: cannot carry what is of second degree in them.
+POINTS, _MORE = 48, 2
 #: A conductance or resistance that varies over a face falls to no less than this share of its mean.
 _LEAST = 0.05
 #: Resistance of a joint that counts as perfect [m^2 K/W].
@@ -32,10 +34,11 @@ class Film:
 
 @dataclass(frozen=True)
 class Patch:
-    """A joint or a bench by a few points: rows of the basis (q, r) (of the jump), areas (q,) and ``places`` (q, 3).
+    """A joint, or a bench by a few points: rows of the basis (q, r) (of the jump), areas (q,) and ``places`` (q, 3).
 
     The places are how far from the middle, and along the two longest axes; each has an area mean of 0 and, but
-    for the first, a mean square of 1.
+    for the first, a mean square of 1. A joint keeps all of its points: one that conducts well holds the parts together
+    by jumps so small that few points have lost them.
     """
 
     rows: Array
@@ -48,12 +51,25 @@ class Patch:
 
     def jump(self, resistance: float, slopes: Array) -> Array:
         """Return the joint's matrix (r, r) for a resistance per area [m^2 K/W]."""
+        if not np.any(slopes):
+            return np.asarray(self._alike / (resistance + PERFECT))
         each = self.weights / (resistance * self.uneven(slopes) + PERFECT)
         return np.asarray(self.rows.T @ (each[:, None] * self.rows))
 
+    @cached_property
+    def _alike(self) -> Array:
+        """The matrix (r, r) of a joint that conducts 1 W/m^2/K throughout."""
+        return np.asarray(self.rows.T @ (self.weights[:, None] * self.rows))
 
-def patch(rows: Array, weights: Array, points: Array) -> Patch:
-    """Return a patch of quadrature points with rows (q, r), areas (q,) at ``points`` (q, 3) [m]."""
+
+def points_for(rows: Array) -> int:
+    """Return how many points stand for a face with ``rows`` (q, r) of the basis."""
+    return max(POINTS, _MORE * rows.shape[1])
+
+
+def patch(rows: Array, weights: Array, points: Array, *, whole: bool = False) -> Patch:
+    """Return a patch of quadrature points with rows (q, r), areas (q,) at ``points`` (q, 3) [m]: a few, or the
+    ``whole`` of them."""
     if len(weights) == 0:
         return Patch(rows, weights, np.zeros((0, 3)))
     centred = points - weights @ points / weights.sum()
@@ -64,13 +80,14 @@ def patch(rows: Array, weights: Array, points: Array) -> Patch:
     far = np.sum(centred**2, axis=1)
     mean = float(weights @ far) / float(weights.sum())
     places = np.column_stack([far / mean - 1.0 if mean > 0.0 else 0.0 * far, along])
-    if len(weights) <= POINTS:
+    count = points_for(rows)
+    if whole or len(weights) <= count:
         return Patch(rows, weights, places)
     # Points are neighbours by where they lie and by what they feel.
     spread = float(np.sqrt(np.mean(np.var(rows, axis=0).sum()))) or 1.0
-    both, areas = lumped(np.hstack([rows / spread, places[:, 1:], places[:, :1]]), weights, POINTS)
-    count = rows.shape[1]
-    return Patch(both[:, :count] * spread, areas, both[:, [count + 2, count, count + 1]])
+    both, areas = lumped(np.hstack([rows / spread, places[:, 1:], places[:, :1]]), weights, count)
+    wide = rows.shape[1]
+    return Patch(both[:, :wide] * spread, areas, both[:, [wide + 2, wide, wide + 1]])
 
 
 @dataclass(frozen=True)

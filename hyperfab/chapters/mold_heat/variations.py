@@ -83,7 +83,11 @@ def vary(asked: Asked, document: MoldDocument, problem: Problem, history: Histor
     duration = LONGER * end if document.run.until is None else end
     sensors = np.array(list(problem.probes.values())).reshape(-1, problem.model.size)
     states = examples(history.states)[1:]
-    mold = reduce(problem.model, sensors, start, duration, None, corners=problem.corners, states=states)
+    conducts = asked.factors.get("conductivity", np.ones(1))
+    mold = reduce(
+        problem.model, sensors, start, duration, None, corners=problem.corners, states=states,
+        conducting=sorted({1.0, float(np.min(conducts)), float(np.max(conducts))}),
+    )  # fmt: skip
     times = np.linspace(0.0, duration, POINTS)
     grid = np.union1d(mold.grid(0.0, duration, STEPS), history.states.times)
     rows_found = []
