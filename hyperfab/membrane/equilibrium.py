@@ -36,9 +36,10 @@ _LEAST_SUPPORT, _LEAST_CAREFUL = 1e-6, 1e-9
 #: and grows after each that does not (Levenberg and Marquardt), up to all of the mean stress.
 _CAREFUL_SUPPORT, _LESS_SUPPORT, _MORE_SUPPORT = 1e-2, 0.3, 10.0
 #: A careful iteration may take so many times as many steps, and of a sheet mounted slack it ends at this residual: at
-#: the border of what hangs points go to and fro between slack and wrinkled, each with a stiffness of its own. Against
-#: 3e-9, after a thousand steps, the force differs by 6e-6 where the sheet begins to bear, by 1e-6 beyond.
+#: the border of what hangs points go to and fro between slack and wrinkled. More may be left (strains of 1e-6 there)
+#: where a step could lower the energy by no more than this part. From an equilibrium with more the next will hang, too.
 _MORE_STEPS, _SLACK_RESIDUAL = 16, 1e-6
+_HANGING_RESIDUAL, _NO_GAIN, _HANGS = 3e-4, 1e-7, 1e-7
 #: A sheet with less than this part of (modulus times volume) as energy is slack.
 _SLACK_ENERGY = 1e-14
 #: Touching nodes lie on the punch to this [mm].
@@ -155,6 +156,17 @@ class Press:
             except NoEquilibriumError:
                 raise error from None
 
+    def nearby(self, depth: float, places: Array, touching: Flags, left: float, memory: Memory | None = None) -> State:
+        """Return the equilibrium from a start made of one with ``left`` as residual, careful where parts of it hang."""
+        may_hang = self.sheet.prestretch < 1.0 and not self.tangential.remembers
+        if not (may_hang and left > _HANGS):
+            try:
+                return self.equilibrium(depth, places, touching, memory)
+            except NoEquilibriumError:
+                if not may_hang:
+                    raise
+        return self.equilibrium(depth, places, touching, memory, cold=True, careful=True)
+
     def _creeping(self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory) -> State:
         """Return the equilibrium with friction that grows over ever shorter slips, each from the one before.
 
@@ -196,8 +208,8 @@ class Press:
         touching = touching & self._movable
         away, settled, step = 1.0, False, np.zeros_like(places)
         most = self.max_iterations * (_MORE_STEPS if careful else 1)
-        enough = max(self.tolerance, _SLACK_RESIDUAL if careful and self.sheet.prestretch < 1.0 else 0.0)
-        hold = _CAREFUL_SUPPORT
+        hangs = careful and self.sheet.prestretch < 1.0
+        hold, gain = _CAREFUL_SUPPORT, np.inf
         entered = np.zeros(len(places), int)
         last, facet = touching, None
         for iteration in range(most + 1):
@@ -211,6 +223,8 @@ class Press:
                     raise NoEquilibriumError("the sheet is stretched beyond the limit of its law")
                 places, settled = places - step, False
                 continue
+            left = _HANGING_RESIDUAL if gain < _NO_GAIN * system.sheet.energy else _SLACK_RESIDUAL
+            enough = max(self.tolerance, left if hangs else 0.0)
             if settled and grip.settled and system.worst < enough and system.gap < _GAP_TOLERANCE:
                 return self._state(depth, places, touching, system, iteration, (memory, anchors, grip))
             if careful and self._is_slack(system):
@@ -218,6 +232,7 @@ class Press:
                 return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
             step, chosen, part = self._step(depth, places, touching, system, careful)
+            gain = -float((system.unbalanced * step).sum()) / part
             hold = max(hold * _LESS_SUPPORT, _LEAST_CAREFUL) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
             if self.tangential.holds:
                 # A node that sticks where it lands jumps there: one that was let go and came back is kept.

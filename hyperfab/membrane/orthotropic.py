@@ -16,7 +16,7 @@ also where warp and weft cross, and with equal laws it is the isotropic sheet.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -82,7 +82,23 @@ def orthotropic_sheet(warp: Material, weft: Material) -> SheetLaw:
     share = other / (stiff + other)
     return RelaxedSheet(
         ThreadedLaw(
-            ((share, warp), (1.0 - share, weft)),
-            (((1.0 - share, warp), (share - 1.0, weft)), ((share, weft), (-share, warp))),
+            _mixed((share, warp), (1.0 - share, weft)),
+            (_mixed((1.0 - share, warp), (share - 1.0, weft)), _mixed((share, weft), (-share, warp))),
         )
+    )
+
+
+def _mixed(*parts: tuple[float, Material]) -> Mixture:
+    """Return a mixture; of laws that differ in linear constants alone it is one law, and asked once."""
+    first = parts[0][1]
+    if any(one.law is not first.law or one.theta != first.theta for _, one in parts):
+        return parts
+    constants = zip(*(one.c for _, one in parts), strict=True)
+    return (
+        (
+            1.0,
+            replace(
+                first, c=tuple(sum(share * c for (share, _), c in zip(parts, each, strict=True)) for each in constants)
+            ),
+        ),
     )

@@ -11,7 +11,7 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.contact import Frictionless
 from hyperfab.membrane.ellipticity import Weakest, weakest
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.punch import Punch
+from hyperfab.membrane.punch import Punch, Sphere
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.numerics.blocks import BlockPattern
 from hyperfab.numerics.linear import SingularMatrixError
@@ -33,6 +33,8 @@ _LEAP = 0.75
 _SHY = 0.8
 #: Rounds of the active-set method for a first guess of the shape.
 _MOST_ROUNDS = 40
+#: A depth is halved between two so often: to rounding.
+_HALVINGS = 60
 
 Watch = Callable[[State], None]
 
@@ -125,7 +127,8 @@ def cold_start(press: Press, depth: float) -> State:
     places, touching = film_over(press.sheet, press.punch, depth)
     free = replace(press, tangential=Frictionless())
     try:
-        state = free.equilibrium(depth, places, touching, cold=True)
+        # Parts of a sheet that was mounted slack hang.
+        state = free.equilibrium(depth, places, touching, cold=True, careful=press.sheet.prestretch < 1.0)
     except NoEquilibriumError:
         state = free.equilibrium(depth, places, touching, cold=True, careful=True)
     # A sheet that hangs slack over the punch does not rub.
@@ -199,13 +202,7 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
         state = cold_start(press, depth)
     else:
         last = below.state
-        try:
-            state = press.equilibrium(depth, last.places, last.touching, last.memory)
-        except NoEquilibriumError:
-            if press.sheet.prestretch >= 1.0 or press.tangential.remembers:
-                raise
-            # Parts of a sheet that was mounted slack still are.
-            state = press.equilibrium(depth, last.places, last.touching, last.memory, cold=True, careful=True)
+        state = press.nearby(depth, last.places, last.touching, last.residual, last.memory)
     # A long step may land on another shape than the one that the path leads to.
     if below and not press.tangential.remembers and abs(_odd_work(below.state, state)) > _ODD_WORK:
         raise NoEquilibriumError("the path does not lead to the shape found")
@@ -254,6 +251,25 @@ def _limit(footings: list[Footing], target: float, error: NoEquilibriumError) ->
         words = f"no equilibrium beyond {turning:.2f} mm: the path turns back there (turning point)"
         return Limit(reached, words, turning)
     return Limit(reached, f"no equilibrium was found beyond {reached:.2f} mm: {error}")
+
+
+def taut_at(press: Press, trace: Sequence[tuple[float, float]]) -> float | None:
+    """Return the depth [mm] from which on a sheet that was mounted slack bears: the way from the punch's highest point
+    to the nearest of the rim is then as long as the sheet is there.
+
+    ``trace`` are depths and forces. None of a sheet that bears at once or not yet, and where that is not known: of
+    facets, and of a sheet of which another point than its middle may come to lie highest.
+    """
+    sheet, punch = press.sheet, press.punch
+    if not trace or not isinstance(punch, Sphere) or sheet.prestretch >= 1.0 or sheet.mesh.copies == 1:
+        return None
+    length, low, high = sheet.reach / sheet.prestretch, 0.0, trace[-1][0]
+    if punch.way(sheet.reach, high) <= length:
+        return None
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if punch.way(sheet.reach, middle) <= length else (low, middle)
+    return high
 
 
 def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:

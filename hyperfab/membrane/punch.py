@@ -75,6 +75,19 @@ class Sphere:
         turning = (np.eye(3) - normal[:, :, None] * normal[:, None, :]) / distance[:, None, None]
         return Nearness(distance - self.radius, normal, turning)
 
+    def way(self, reach: float, depth: float) -> float:
+        """Return the shortest way [mm] from the sphere's highest point to a point of the flat sheet's plane that is
+        ``reach`` [mm] from the axis: along the sphere, and then straight.
+
+        >>> Sphere(30.0).way(40.0, depth=0.0), round(Sphere(30.0).way(40.0, depth=30.0), 6)
+        (40.0, 51.899375)
+        """
+        far = np.hypot(reach, self.radius - depth)
+        if far <= self.radius:
+            return np.inf
+        straight = np.sqrt(far**2 - self.radius**2)
+        return float(straight + self.radius * (np.arctan2(reach, self.radius - depth) - np.arccos(self.radius / far)))
+
     def height(self, plane: Array, depth: float) -> Array:
         """Return the height of the upper half."""
         square = self.radius**2 - (plane**2).sum(axis=1)

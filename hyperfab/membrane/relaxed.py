@@ -106,18 +106,22 @@ class RelaxedSheet:
 
     def _wrinkle(self, found: _Found, rows: Ints, C: Array, angle: Array) -> None:
         """Give up what the sheet cannot press at ``rows``; ``angle`` is a first guess of n."""
-        a, angle, closed = self._minimum(C, angle)
+        own = Answer(found.energy[rows], found.stress[rows], found.stiffness[rows])
+        a, angle, closed = self._minimum(C, angle, own)
         lost = np.flatnonzero(~closed)
         if len(lost):
             # Seldom: look all round, and go on from the least energy.
             many = np.repeat(C[lost], _DIRECTIONS, axis=0)
             tries = np.tile(np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS, len(lost))
-            taken, turned, _ = self._minimum(many, tries)
-            energy = self.law.answer(many + taken[:, None] * _dyad(turned)).energy.reshape(len(lost), -1)
+            tried = self.law.answer(many)
+            taken, turned, _ = self._minimum(many, tries, tried)
+            energy = tried.energy.reshape(len(lost), -1)
             best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(len(lost))
             a[lost], angle[lost] = taken[best], turned[best]
-        natural = C + a[:, None] * _dyad(angle)
-        own = self.law.answer(natural)
+            for mine, other in zip(
+                (own.energy, own.stress, own.stiffness), (tried.energy, tried.stress, tried.stiffness), strict=True
+            ):
+                mine[lost] = other[best]
         u, w, _ = _axes(angle)
         gradient_angle = 0.5 * np.einsum("nj,nj->n", w, own.stress)
         Du, Dw = np.einsum("njk,nk->nj", own.stiffness, u), np.einsum("njk,nk->nj", own.stiffness, w)
@@ -127,23 +131,24 @@ class RelaxedSheet:
             back = np.linalg.solve(_regular(H), B)
         found.energy[rows], found.stress[rows] = own.energy, own.stress
         found.stiffness[rows] = own.stiffness - np.einsum("nij,nik->njk", B, back)
-        found.natural[rows] = natural
+        found.natural[rows] = C + a[:, None] * _dyad(angle)
         found.state[rows] = WRINKLED
 
-    def _minimum(self, C: Array, angle: Array) -> tuple[Array, Array, Flags]:
-        """Return a, the angle of n, and whether no stress is left on n; Newton's method on the energy."""
+    def _minimum(self, C: Array, angle: Array, own: Answer) -> tuple[Array, Array, Flags]:
+        """Return a, the angle of n, and whether no stress is left on n; Newton's method on the energy.
+
+        ``own`` (n) is the law's answer at ``C``, and in the end at what was found.
+        """
         a, angle = np.zeros(len(C)), angle.copy()
-        own = self.law.answer(C)
-        energy = own.energy.copy()
         closed = np.zeros(len(C), bool)
         left = np.arange(len(C))
         for _ in range(_STEPS):
             u, w, _ = _axes(angle[left])
-            own = self.law.answer(C[left] + a[left, None] * _dyad(angle[left]))
-            on_n = np.einsum("nj,nj->n", u, own.stress)
-            across = 0.5 * np.einsum("nj,nj->n", w, own.stress)
-            size = np.abs(own.stress[:, 0]) + np.abs(own.stress[:, 1]) + 1e-9 * np.abs(own.stiffness[:, 0, 0])
-            noise = _ROUNDING * np.abs(own.stiffness[:, 0, 0])
+            stress, stiffness = own.stress[left], own.stiffness[left]
+            on_n = np.einsum("nj,nj->n", u, stress)
+            across = 0.5 * np.einsum("nj,nj->n", w, stress)
+            size = np.abs(stress[:, 0]) + np.abs(stress[:, 1]) + 1e-9 * np.abs(stiffness[:, 0, 0])
+            noise = _ROUNDING * np.abs(stiffness[:, 0, 0])
             done = (np.abs(on_n) + np.abs(across) <= np.maximum(_CLOSED * size, noise)) & (a[left] > 0.0)
             closed[left[done]] = True
             keep = ~done
@@ -151,9 +156,10 @@ class RelaxedSheet:
                 break
             left, u, w, on_n, across = left[keep], u[keep], w[keep], on_n[keep], across[keep]
             remaining = np.abs(on_n) + np.abs(across)
-            own = Answer(own.energy[keep], own.stress[keep], own.stiffness[keep])
             g = np.stack([0.5 * on_n, a[left] * across], axis=1)
-            H = _positive(_hessian(own, a[left], u, w, across, angle[left]))
+            H = _positive(
+                _hessian(Answer(own.energy[left], stress[keep], stiffness[keep]), a[left], u, w, across, angle[left])
+            )
             # Without wrinkles yet their direction has no meaning: width first.
             flat = a[left] == 0.0
             H[flat, 0, 1] = H[flat, 1, 0] = 0.0
@@ -165,19 +171,25 @@ class RelaxedSheet:
             pending = np.arange(len(left))
             for _ in range(25):
                 rows = left[pending]
+                energy = own.energy[rows]
                 a_try = np.maximum(a[rows] + length[pending] * step[pending, 0], 0.25 * a[rows])
                 angle_try = angle[rows] + length[pending] * step[pending, 1]
                 with np.errstate(all="ignore"):
                     tried = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try))
-                    lower = tried.energy
                     # Near the minimum the energy is flat to rounding: there less stress on n is what counts.
                     n, nm, _ = _axes(angle_try)
-                    stress = np.abs(np.einsum("nj,nj->n", n, tried.stress))
-                    stress += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
-                    flat_there = np.abs(lower - energy[rows]) <= 1e-9 * np.abs(energy[rows]) + noise[keep][pending]
-                    fine = (lower < energy[rows]) | (flat_there & (stress < remaining[pending]))
+                    pressed = np.abs(np.einsum("nj,nj->n", n, tried.stress))
+                    pressed += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
+                    flat_there = np.abs(tried.energy - energy) <= 1e-9 * np.abs(energy) + noise[keep][pending]
+                    fine = (tried.energy < energy) | (flat_there & (pressed < remaining[pending]))
                 taken = rows[fine]
-                a[taken], angle[taken], energy[taken] = a_try[fine], angle_try[fine], lower[fine]
+                a[taken], angle[taken] = a_try[fine], angle_try[fine]
+                for mine, found in (
+                    (own.energy, tried.energy),
+                    (own.stress, tried.stress),
+                    (own.stiffness, tried.stiffness),
+                ):
+                    mine[taken] = found[fine]
                 pending = pending[~fine]
                 length[pending] *= 0.4
                 if not len(pending):

@@ -22,7 +22,7 @@ from hyperfab.membrane.measures import Fields, difference, fields
 from hyperfab.membrane.mesh import SheetMesh, halved, interpolate, sheet_mesh
 from hyperfab.membrane.meshing import SizeField, Triangles, graded, triangulate
 from hyperfab.membrane.outline import Outline
-from hyperfab.membrane.path import Followed, Path, Watch, cold_start, follow, next_footing
+from hyperfab.membrane.path import Followed, Path, Watch, cold_start, follow, next_footing, taut_at
 from hyperfab.membrane.punch import Facets, Sphere
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.tension_field import SheetLaw
@@ -200,7 +200,7 @@ def solve_on(test: SphereTest, mesh: SheetMesh, near: Solved) -> Solved:
     edge = contact_edge(near.press, near.state)
     touching = edge.encloses(mesh.nodes) if edge else np.zeros(len(mesh.nodes), bool)
     try:
-        state = press.equilibrium(depth, places, touching)
+        state = press.nearby(depth, places, touching, near.state.residual)
     except NoEquilibriumError:
         state = cold_start(press, depth)
     press.sheet.pattern.release()
@@ -260,9 +260,10 @@ def _trace(test: SphereTest, outcome: Outcome, watch: Watch) -> None:
     tolerance, left, at_once = _WORK_TOLERANCE, _MOST_MORE_DEPTHS, _AT_ONCE
     if test.facets is not None:
         tolerance, left, at_once = _WORK_TOLERANCE_ON_FACETS, _MOST_MORE_DEPTHS_ON_FACETS, 1
+    taut = taut_at(outcome.rough, outcome.trace)
     while left > 0 and not outcome.path.jumps:
         turning = limit.turning_point if limit else None
-        depths = doubtful(outcome.trace, tolerance, turning, min(at_once, left))
+        depths = doubtful(outcome.trace, tolerance, turning, min(at_once, left), taut)
         near: list[State] = []
         for depth in depths:
             below = [footing for footing in footings if footing.state.depth < depth]

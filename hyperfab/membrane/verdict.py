@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
-from hyperfab.membrane.path import cold_start
+from hyperfab.membrane.path import cold_start, taut_at
 from hyperfab.membrane.recovery import recovered_strain
 from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.membrane.work import work as path_work
@@ -81,8 +81,8 @@ def _located(outcome: Outcome, stable: float, unstable: Solved) -> Instability:
 
 def work(outcome: Outcome) -> float:
     """Return the work of the punch [N mm] up to the last depth."""
-    limit = outcome.path.limit
-    return path_work(outcome.trace, limit.turning_point if limit else None)
+    limit, trace = outcome.path.limit, outcome.trace
+    return path_work(trace, limit.turning_point if limit else None, taut_at(outcome.rough, trace))
 
 
 def stress_difference(first: Solved, second: Solved) -> tuple[float, Array]:

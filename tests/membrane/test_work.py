@@ -66,3 +66,11 @@ def test_few_points_are_not_believed():
 def test_a_sheet_that_is_never_touched_does_no_work():
     assert work([(10.0, 0.0), (20.0, 0.0)]) == 0.0
     assert doubtful([(10.0, 0.0), (20.0, 0.0)], 1e-5) == []
+
+
+def test_where_a_slack_sheet_begins_to_bear_is_not_sought_where_it_is_known():
+    """Nothing up to 1.3 and the square of the way beyond: five points tell all of it once the kink is known."""
+    trace = [(float(s), max(s - 1.3, 0.0) ** 2) for s in range(1, 7)]
+    assert doubtful(trace, 1e-6, taut=1.3) == []
+    assert work(trace, taut=1.3) == pytest.approx(4.7**3 / 3.0, rel=1e-12)
+    assert doubtful(trace, 1e-6)
