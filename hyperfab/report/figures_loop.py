@@ -52,6 +52,8 @@ class LoopPicture:
     verdict, added        what was found
     value_words           what the values of a state number
     delivered             what the model tells before any of its constants was refitted
+    widths                stretch, measured transverse stretch and what the model says of it before and after, each
+                          (rows,), curve by curve; none where it was not read
     """
 
     abscissa: Array
@@ -69,6 +71,7 @@ class LoopPicture:
     added: Sequence[str]
     value_words: Mapping[str, Sequence[str]] = field(default_factory=dict)
     delivered: Array | None = None
+    widths: Sequence[tuple[Array, Array, Array, Array]] = ()
 
     def png(self) -> bytes:
         """Return the picture as PNG."""
@@ -91,7 +94,10 @@ class LoopPicture:
             self._curves(figure, upper[0, :split], kinds)
         else:
             self._maps(figure, upper[0, :split], places)
-        _scores(figure.add_subplot(upper[0, split:]), self.scores, self.scores_label, self.added)
+        beside = upper[0, split:].subgridspec(2 if self.widths else 1, 1)
+        _scores(figure.add_subplot(beside[0, 0]), self.scores, self.scores_label, self.added)
+        if self.widths:
+            _widths(figure.add_subplot(beside[1, 0]), self.widths)
         scale = np.maximum(self.sd, 1e-300)
         lower = halves[1].subgridspec(1, columns)
         for column, (name, values) in enumerate(shown.items()):
@@ -110,14 +116,18 @@ class LoopPicture:
 
     def _missed(self) -> str:
         """Return by how much of the readings (rms) the model misses them, as it was given and as it became."""
-        size = float(np.sqrt(np.mean(self.measured**2))) or 1.0
         models = {"as delivered": self.delivered, "refitted": self.before, "at the end": self.after}
         told = [
-            f"{100.0 * float(np.sqrt(np.mean((self.measured - one) ** 2))) / size:.2g} % {name}"
+            f"{_share(self.measured - one, self.measured)} {name}"
             for name, one in models.items()
             if one is not None and np.all(np.isfinite(one))
         ]
-        return f"misses the readings by {', '.join(told)}" if told else ""
+        words = f"misses the readings by {', '.join(told)}" if told else ""
+        if self.widths:
+            _, read, before, after = (np.concatenate(part) for part in zip(*self.widths, strict=True))
+            narrower = (_share(read - one, 1.0 - read) for one in (before, after))
+            words += "; how much narrower it becomes by {} refitted, {} at the end".format(*narrower)
+        return words
 
     def _curves(self, figure: Any, place: Any, kinds: Mapping[str, Sequence[int]]) -> None:
         """Draw the curves in panels of one scale, one for each kind of test."""
@@ -190,6 +200,22 @@ class LoopPicture:
             location="bottom",
             aspect=40,
         )
+
+
+def _share(rest: Array, whole: Array) -> str:
+    """Return the rms of a rest as a share of the whole's."""
+    return f"{100.0 * float(np.sqrt(np.mean(rest**2))) / (float(np.sqrt(np.mean(whole**2))) or 1.0):.2g} %"
+
+
+def _widths(axes: Any, widths: Sequence[tuple[Array, Array, Array, Array]]) -> None:
+    """Draw how much narrower specimens become, measured and by the model before and after."""
+    for stretch, measured, before, after in widths:
+        axes.plot(stretch, measured, ".", ms=2.5, color=DATA)
+        axes.plot(stretch, before, "-", lw=0.9, color=BEFORE)
+        axes.plot(stretch, after, "-", lw=1.2, color=AFTER)
+    axes.set_xlabel("stretch")
+    axes.set_ylabel("transverse stretch")
+    axes.grid(alpha=0.3)
 
 
 def _varies(values: Array) -> bool:

@@ -477,3 +477,15 @@ def test_a_verdict_says_pass_or_not_in_words() -> None:
     text = page("a", [(bad, build(bad)), (good, Section("", None, "Nothing to pass."))], None).decode()
     assert "Does not pass" in text
     assert "1 of them does not pass" in text
+
+
+def test_what_a_contraction_brings_is_seen_though_the_stresses_stay() -> None:
+    """A panel of the widths, measured and by both models, and how far off they are in the heading."""
+    stretch = np.linspace(1.0, 1.5, 9)
+    widths = [(stretch, stretch**-0.3, stretch**-0.5, stretch**-0.3)]
+    figure = LoopPicture(**drawn(stretch, {"stretch": stretch}) | {"widths": widths}).drawing()
+    (axes,) = [one for one in figure.axes if one.get_ylabel() == "transverse stretch"]
+    assert [line.get_ydata()[-1] for line in axes.lines] == pytest.approx([1.5**-0.3, 1.5**-0.5, 1.5**-0.3])
+    missed = np.sqrt(np.mean((stretch**-0.3 - stretch**-0.5) ** 2) / np.mean((1.0 - stretch**-0.3) ** 2))
+    words = " ".join(figure.get_suptitle().split())
+    assert f"how much narrower it becomes by {100.0 * missed:.2g} % refitted, 0 % at the end" in words

@@ -224,4 +224,5 @@ def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
 def _files(job: Job, out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
     out.add(".csv", curves_csv(job, problem, found, unit))
     axis = Axis(problem.fabric.path.stretch, "stretch")
-    out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}))
+    widths = [curve for curve in problem.curves if curve.channel == 1]
+    out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}, widths))

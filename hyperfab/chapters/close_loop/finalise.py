@@ -30,7 +30,7 @@ from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Problem
+from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, TOLD
 
@@ -297,13 +297,16 @@ def picture(
     axis: Axis,
     unit: str,
     value_words: Mapping[str, Sequence[str]] | None = None,
+    widths: Sequence[Curve] = (),
 ) -> bytes:
-    """Return the picture of what was found, over ``axis``, of the readings of the first channel."""
+    """Return the picture of what was found, over ``axis``, of the readings of the first channel, and beside it of
+    transverse stretches, curve by curve (``widths``)."""
     from hyperfab.report.figures_loop import LoopPicture
 
     first = problem.channel == 0
     # The states first that what the model missed rides on.
     riding = dependence(found.before.fit.residual[first], problem.states)
+    before, after = found.before.fit.predicted, found.after.fit.predicted
     states = sorted(problem.states.items(), key=lambda item: -riding.get(item[0], 0.0))
     return LoopPicture(
         abscissa=axis.values,
@@ -311,8 +314,8 @@ def picture(
         unit=unit,
         curves=[curve.rows for curve in problem.curves if curve.channel == 0],
         measured=problem.measured[first],
-        before=found.before.fit.predicted[first],
-        after=found.after.fit.predicted[first],
+        before=before[first],
+        after=after[first],
         sd=found.noise.sd[first],
         states=dict(states),
         scores=lowered(found) or found.scores,
@@ -321,4 +324,5 @@ def picture(
         added=found.after.ids,
         value_words=value_words or {},
         delivered=delivered_of(problem)[first],
+        widths=[(one.places, problem.measured[one.rows], before[one.rows], after[one.rows]) for one in widths],
     ).png()
