@@ -479,6 +479,21 @@ def test_a_verdict_says_pass_or_not_in_words() -> None:
     assert "1 of them does not pass" in text
 
 
+def test_the_page_draws_the_widths_beside_the_stresses() -> None:
+    head = "test,stretch,stress_MPa,before_MPa,after_MPa,noise_sd_MPa"
+    table = f"{head},transverse_stretch,transverse_before,transverse_after,transverse_noise_sd\n"
+    table += "a,1.1,1,2,1.1,0.1,0.97,0.95,0.971,0.001\nb,1.1,1,2,1.1,0.1,,,,\n"
+    data = loop(files=["a.csv"])
+    data["contraction"] = {
+        k: {"rms": r, "relative_rms": r, "chi2_reduced": 1.0} for k, r in (("before", 0.6), ("after", 0.02))
+    }
+    *_, widths = charts(build(source("loop", data, read=lambda name: table.encode())))
+    assert widths.layout["yaxis"]["title"]["text"] == "transverse stretch"
+    assert [[y for y in trace["y"] if y is not None] for trace in widths.data] == [[0.97], [0.95], [0.971]]
+    assert "60" in widths.alt
+    assert "2.0 %" in widths.alt or "2 %" in widths.alt
+
+
 def test_what_a_contraction_brings_is_seen_though_the_stresses_stay() -> None:
     """A panel of the widths, measured and by both models, and how far off they are in the heading."""
     stretch = np.linspace(1.0, 1.5, 9)

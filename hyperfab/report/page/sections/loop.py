@@ -133,6 +133,7 @@ def _against_measurement(source: Source, data: Any) -> list[Part]:
             f"measured - model, {unit}" if unit else "measured - model",
             rests,
         ),
+        *_widths(table, data),
     ]
 
 
@@ -170,6 +171,13 @@ def _of_tests(table: dict[str, list[str]]) -> tuple[list[Series], str, str]:
     kinds = _quantity(table)
     if not kinds:
         return [], "", ""
+    series, across = _series(table, kinds)
+    words, unit = parted(kinds["measured"])
+    return series, title(across), f"{'reading' if words == 'measured' else words}, {unit}" if unit else words
+
+
+def _series(table: dict[str, list[str]], kinds: dict[str, str]) -> tuple[list[Series], str]:
+    """Return the curves of each test or file in some columns, and what they are drawn over."""
     group = "test" if "test" in table else "file"
     across = next(name for name in table if name != group)
     values = {kind: floats(table[name]) for kind, name in ({"x": across} | kinds).items()}
@@ -177,9 +185,24 @@ def _of_tests(table: dict[str, list[str]]) -> tuple[list[Series], str, str]:
     for row, name in enumerate(table[group]):
         if values["measured"][row] is not None:
             rows.setdefault(name, []).append(row)
-    series = [{kind: [cells[row] for row in own] for kind, cells in values.items()} for own in rows.values()]
-    words, unit = parted(kinds["measured"])
-    return series, title(across), f"{'reading' if words == 'measured' else words}, {unit}" if unit else words
+    return [{kind: [cells[row] for row in own] for kind, cells in values.items()} for own in rows.values()], across
+
+
+def _widths(table: dict[str, list[str]], data: Any) -> list[Part]:
+    """Draw how much narrower specimens become, where that was read."""
+    if "transverse_stretch" not in table or not data.get("contraction"):
+        return []
+    before, after = (percent(data["contraction"][moment]["relative_rms"], 2).text for moment in ("before", "after"))
+    falls = f"How much narrower specimens become is missed by {before} before, {after} after."
+    kinds = {"measured": "transverse_stretch", "before": "transverse_before", "after": "transverse_after"}
+    series, across = _series(table, kinds)
+    traces = [
+        line(kind if kind == "measured" else f"model {kind}", *_joined(series, kind), colour, points=kind == "measured")
+        for kind, colour in (("measured", DATA), ("before", BEFORE), ("after", AFTER))
+    ]
+    return [
+        chart("Transverse stretch, measured and by both models.", falls, title(across), "transverse stretch", traces)
+    ]
 
 
 def _joined(series: list[Series], kind: str) -> tuple[list[float | None], list[float | None]]:
