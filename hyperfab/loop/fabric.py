@@ -86,13 +86,13 @@ class FabricProblem(Problem):
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
         """Return effects that these tests do not tell apart, whatever they read.
 
-        Only second pulls, or several rates and holds, tell what makes loops. What grips give smoothly with the
-        extension bends all curves of a kind as another law does; what they give with the load does so where there is
-        but one; beside a sheet whose warp and weft differ, and answer to each other, as its law would. Where
-        each direction was tested at a temperature of its own, either may be what they differ by. A zero that
-        wanders beside a stress that relaxes shows where a specimen waits or is let go: in pulls alone both go
-        on as the stretch does, and a law that is not quite the fabric's leaves as much. Where all were pulled
-        along both axes, what each arm has of its own is what warp and weft may differ by.
+        Only second pulls, or several rates and holds, tell what makes loops; that one moves with the rate is told by
+        several rates or holds alone. What grips give smoothly with the extension bends all curves of a kind as another
+        law does; what they give with the load does so where there is but one; beside a sheet whose warp and weft
+        differ, and answer to each other, as its law would. Where each direction was tested at a temperature of its own,
+        either may be what they differ by. A zero that wanders beside a stress that relaxes shows where a specimen waits
+        or is let go: in pulls alone both go on as the stretch does, and a law that is not quite the fabric's leaves as
+        much. Where all were pulled along both axes, what each arm has of its own is what warp and weft may differ by.
         """
         context = DataContext(self.law, (), self.fabric.path, self.measured)
         alike = []
@@ -117,6 +117,8 @@ class FabricProblem(Problem):
             if gives in STAYS:
                 same.add("grip-slack")
             alike.append(frozenset(same if context.several_rates else {*same, "rate"}))
+        if "rate" in forms and "hysteresis" not in given and not context.several_rates:
+            alike.append(frozenset({"rate", "hysteresis"}))
         return alike
 
     def scaled(self, own: Array, factor: float) -> Array:

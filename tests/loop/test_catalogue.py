@@ -174,21 +174,28 @@ def test_effects_that_make_one_loop_are_told_apart_by_second_pulls_and_by_rates(
     up = np.linspace(1.0, 1.4, 20)
     loop = np.concatenate([up, up[-2::-1]])
 
-    def alike(*tests: tuple[np.ndarray, float], slack: str = "") -> list[set[str]]:
-        """Of curves at rates [1/s], where the grips were found to give so."""
+    def alike(*tests: tuple[np.ndarray, float], slack: str = "", found: tuple[str, ...] = ()) -> list[set[str]]:
+        """Of curves at rates [1/s], where the grips were found to give so, and some effects."""
         done = []
         for number, (lam, rate) in enumerate(tests):
             time = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(lam)))]) / rate
             done.append(TestCurve("uniaxial", lam, lam - 1.0, time_s=time, source=f"{number}", specimen=f"{number}"))
         problem = fabric_problem(laws()["neo-hookean"], (0.2,), done)
         named = {form.name: form for form in problem.effect("grip-slack").forms}
-        return [set(one) for one in problem.look_alikes({"grip-slack": named[slack]} if slack else {})]
+        forms = {name: problem.effect(name).forms[0] for name in found}
+        return [set(one) for one in problem.look_alikes(forms | ({"grip-slack": named[slack]} if slack else {}))]
 
     one_loop = {"hysteresis", "mullins", "permanent-set"}
     assert alike((up, 0.01)) == []
     assert alike((loop, 0.01)) == [{*one_loop, "rate"}]
     assert alike((loop, 0.01), (loop, 0.1)) == [one_loop]
     assert alike((np.concatenate([loop, loop[1:]]), 0.01)) == []
+    # That a loop moves with the rate is told by several rates alone, however often it is gone through.
+    again, both = np.concatenate([loop, loop[1:]]), {"rate", "hysteresis"}
+    assert alike((again, 0.01), found=("rate",)) == [both]
+    assert alike((again, 0.01), found=("hysteresis",)) == []
+    assert alike((again, 0.01), found=("rate", "hysteresis")) == []
+    assert alike((again, 0.01), (again, 0.1), found=("rate",)) == []
     # What has slipped out of the grips does not come back; what was slack at the start makes no loop.
     assert alike((loop, 0.01), (loop, 0.1), slack="slips") == [{*one_loop, "grip-slack"}]
     assert alike((loop, 0.01), (loop, 0.1), slack="play") == [one_loop]
