@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import combinations
 
 import numpy as np
@@ -47,7 +47,9 @@ def fewest(
     found = likeliest(search, before, no_worse)
     if found is None or len({*found.ids} - {plain}) > 1:
         named = dict.fromkeys([*best.ids, *(() if found is None else found.ids)])
-        for ids in combinations([name for name in named if name != plain], 2):
+        twos = [ids for state in sorted(search.states, key=surprise) if len(ids := _beside(plain, state.ids)) == 2]
+        pairs = {frozenset(ids): ids for ids in (*combinations(_beside(plain, named), 2), *twos[:_LIKELY])}
+        for ids in pairs.values():
             search.freed(before, ids)
         found = likeliest(search, before, no_worse)
     if found is None and 0 < len(whole.ids) < 3:
@@ -66,6 +68,10 @@ def fewest(
         nearer = [state for state in nearer if len(state.ids) <= max(len(whole.ids), 1) and _pays(search, state)]
         found = next((one for one in sorted(nearer, key=surprise) if no_worse(one)), None)
     return found or whole
+
+
+def _beside(plain: str, names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(name for name in names if name != plain)
 
 
 def _pays(search: Search, state: Candidate) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 from hyperfab.loop.fitting import Descent, Fit, descent
 from hyperfab.loop.judge import Candidate
 from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import MOST
 
 #: Where more was read than stresses, sums of squares that differ by less are the same, but for how far a fit was led.
 _ALIKE = 1.0 + 1e-6
@@ -48,6 +49,16 @@ def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart
     richer = [held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
     good = [state for state in richer if is_no_worse(base, state, apart)]
     return min(good, key=lambda state: state.fit.cost, default=None)
+
+
+def nearest_apart(search: Search, best: Candidate, apart: Apart | None) -> Candidate:
+    """Return the model, or the one of its names that comes clearly nearer to readings set apart: a law that goes
+    through all that was read and misses what lies between is none."""
+    if apart is None or not best.ids:
+        return best
+    same = [state for state in search.states if {*state.ids} == {*best.ids} and np.isfinite(state.fit.chi2)]
+    nearest = min(same, key=lambda state: apart(state.fit), default=best)
+    return nearest if apart(nearest.fit) < MOST * apart(best.fit) else best
 
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
