@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,14 @@ class PlacedMold:
     def touching(self) -> tuple[float, float, float]:
         """The shift at which its highest point touches the sheet's plane from below."""
         return self.standing(0.0)
+
+    def larger(self, width: float, height: float) -> PlacedMold:
+        """Return the mold larger by shares of itself across and along the way it is pushed, about its top's middle."""
+        if not (width or height):
+            return self
+        middle = np.array([-self.shift[0], -self.shift[1], self.depth - self.shift[2]])
+        vertices = middle + (self.surface.vertices - middle) * (1.0 + np.array([width, width, height]))
+        return replace(self, surface=Surface(vertices, self.surface.faces))
 
 
 def read_molds(job: Job, names: list[str], stl_unit: str, depth: float, axis: str = "z") -> PlacedMold:

@@ -169,6 +169,10 @@ class Upstream(Part):
     indistinguishable: list[str] = Field(
         default_factory=list, description="chapters of which one is off, and these data cannot tell which"
     )
+    instead_of: list[str] = Field(
+        default_factory=list,
+        description="effects that are not needed where that document is put right; these data cannot tell which it is",
+    )
     left_out: list[str] = Field(default_factory=list, description="what was not looked at")
 
 

@@ -26,6 +26,8 @@ from hyperfab.loop.scatter import Guess, guess_of_cloud, patches
 _AROUND, _FEW, _FAR, _CLEARLY = 8, 0.05, 8.0, 3.0
 #: What is known of how far the mold was pushed up [mm].
 DEPTH_SD = 0.1
+#: What the mold's size is told by: shares added to it across the way it is pushed, and along.
+SIZES = ("mold width", "mold height")
 
 
 @dataclass(frozen=True)
@@ -274,6 +276,7 @@ def drape_problem(
         friction=draped.friction,
         shear=axes["shear"].up if "shear" in axes else 0.0,
         mass=axes["mass"].up,
+        larger=min((axes[way].up for way in SIZES if way in axes), default=0.0),
     )
 
     def state(values: Sequence[Array]) -> Array:

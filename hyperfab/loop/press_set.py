@@ -15,6 +15,8 @@ from hyperfab.loop.press_table import Moved, found_tilt
 
 #: Openings at which a yielding press is known, between which it is interpolated.
 _GRID = 60
+#: How far [mm] before the first touch these begin.
+_BEFORE = 0.2
 
 
 @dataclass(frozen=True)
@@ -113,15 +115,17 @@ class SetPress:
     def _yielding(self) -> PchipInterpolator:
         """The opening by the stroke that the machine reads from the first touch on, where the frame yields."""
         now, touch = self.hangs, self.hangs.table.first_touch
-        grid = np.linspace(touch + 0.2, now.table.openings[0], _GRID)
+        grid = np.linspace(touch + _BEFORE, now.table.openings[0], _GRID)
         machine = touch - grid + now.compliance * now.factor * self.summed.force(now, grid)
         return PchipInterpolator(machine, grid, extrapolate=True)
 
     def _force(self, left: Array | float, reading: Reading) -> Array:
         assert reading.stroke is not None
         now, stroke = self.hangs, reading.stroke - self.value.get("stroke.zero", 0.0)
-        rigid = now.compliance == 0.0
-        opening = now.table.first_touch - stroke if rigid else self._yielding(stroke)
+        touch = now.table.first_touch
+        # What is not touched anywhere in the table bears nothing, and no frame yields.
+        rigid = now.compliance == 0.0 or touch + _BEFORE <= now.table.openings[0]
+        opening = touch - stroke if rigid else self._yielding(stroke)
         return np.asarray(now.factor * left * self.summed.force(now, opening))
 
     def _of_fabric(self, reading: Reading) -> Array:

@@ -54,9 +54,19 @@ def test_a_stretch_along_one_way_is_not_an_even_one_of_threads_that_nobody_knows
 
 
 def test_an_effect_beside_a_constant_at_the_end_of_what_is_known_is_not_sure(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A mold 5 % larger than its document: what is nearest takes the depth to its end."""
-    monkeypatch.setattr(nets, "BALL", 1.05 * nets.BALL)
+    """A mold pushed up by 1 mm more than its document says: what is nearest takes the depth to its end."""
+    monkeypatch.setattr(nets, "DEPTH", nets.DEPTH + 1.0)
     found = seen((1.0, 1.0), 0.2, 0)
     fit = found.after.fit
-    assert (found.verdict, len(found.after.ids)) == ("unexplained", 1)
+    assert found.verdict == "unexplained"
     assert found.after.problem.strained(fit.x[: fit.own]) == ["depth"]
+
+
+@pytest.mark.parametrize("larger", [0.05, -0.04])
+def test_a_mold_of_another_size_is_found(monkeypatch: pytest.MonkeyPatch, larger: float) -> None:
+    monkeypatch.setattr(nets, "BALL", (1.0 + larger) * nets.BALL)
+    found = seen((1.0, 1.0), 0.05, 0)
+    assert (found.verdict, found.after.ids) == ("effect", ("mold-size",))
+    [(form, values)] = found.after.fit.terms.values()
+    # Near its top a ball is as flat where it is wider by half as much.
+    assert values == pytest.approx([larger * {"all ways": 1.0, "across": 0.5}[form]], abs=0.006)

@@ -12,7 +12,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended_sheet import FABRIC, THREADS, drape_applied, extend_drape
+from hyperfab.chapters.close_loop.extended_sheet import FABRIC, SIZED, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Traces, finish
 from hyperfab.chapters.close_loop.readings import Files, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
@@ -21,6 +21,7 @@ from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.molds import PlacedMold
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.cloth import Equilibrium, HeldNodeInside, Sheet, answers, drape, follow, load_steps, raised
 from hyperfab.cloth.net import GRAVITY
@@ -32,6 +33,7 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.loop.drape import (
+    SIZES,
     Draped,
     DrapeProblem,
     Markers,
@@ -55,6 +57,8 @@ _NEAR = 1e-2
 _OFF, _ASIDE = 0.2, 0.12
 #: How far an added prestretch and the friction may go, and how slack a sheet may be mounted.
 _MOST_STRETCH, _MOST_FRICTION, _SLACK = 0.12, 0.6, 0.95
+#: How much larger or smaller a mold may be than it is drawn.
+_LARGER = 0.06
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -70,6 +74,7 @@ def run(job: Job, given: Given) -> int:
             ".model.pvd",
             ".model.mold.stl",
             FABRIC,
+            SIZED,
             *THREADS,
             ".png",
             ".csv",
@@ -91,7 +96,7 @@ def run(job: Job, given: Given) -> int:
     from hyperfab.chapters.close_loop.upstream_drape import tracing
 
     def extend(forward: Forward, problem: DrapeProblem, found: Finding) -> Extension:
-        return extend_drape(out, forward.case, material, forward.sheet, problem, found)
+        return extend_drape(out, forward.case, material, forward.sheet, forward.placed, problem, found)
 
     def traced(forward: Forward, problem: DrapeProblem) -> Traces:
         trace = tracing(forward, problem, given, out) if given.case.upstream else None
@@ -192,7 +197,7 @@ class Forward:
         if case.has_friction:
             case = replace(case, load_steps=(self.case.load_steps or LOAD_STEPS) if grid else _STEPS)
         ratios = {name: float(ratio) for name, ratio in zip(self.names, law, strict=True)}
-        files = self.files
+        files = replace(self.files, placed=self.placed(added))
         if self.material is not None and any(v != 1.0 for v in ratios.values()):
             changed = dump_json(scaled_material(self.material, ratios).to_json())
             inputs = Overlay({str(case.material): changed})
@@ -204,6 +209,10 @@ class Forward:
             )
             files = replace(files, fabric=files.fabric.with_laws(warp, weft))
         return model_of(case, files)
+
+    def placed(self, added: Mapping[str, float]) -> PlacedMold:
+        """Return the mold, as much larger as what is added says."""
+        return self.files.placed.larger(*(added.get(way, 0.0) for way in SIZES))
 
     def nodes(self, law: Array, added: Mapping[str, float], grid: tuple[int, int] | None = None) -> Array:
         """Return where the nodes (n, m, 3) rest; NotConverged where there is no equilibrium."""
@@ -296,6 +305,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     ]
     if sheet.membrane is None:  # a membrane's law has its own shear
         axes.append(Setting("shear", 0.0, 0.4 * modulus))
+    axes += [Setting(way, 0.0, _LARGER, _LARGER, mixes=False) for way in SIZES]
     axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
     model = forward.model(plain, {})
     rest = forward.rest(model)

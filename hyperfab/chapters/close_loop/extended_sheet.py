@@ -3,7 +3,7 @@ drapes it, with the terms."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,11 +15,14 @@ from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.close_loop.softening import scaled_material, soften
 from hyperfab.chapters.close_loop.sure import mark
+from hyperfab.chapters.molds import PlacedMold
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
+from hyperfab.documents.base import Document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
+from hyperfab.io.stl_write import stl_bytes
 from hyperfab.loop.contact import ContactProblem
 from hyperfab.loop.drape import DrapeProblem
 from hyperfab.loop.engine import Finding
@@ -27,6 +30,8 @@ from hyperfab.loop.engine import Finding
 #: Where the refitted fabric is written, and the tests that are taken as laws.
 FABRIC = ".model.fabric.json"
 THREADS = (".model.warp.csv", ".model.weft.csv")
+#: Where a mold of another size is written.
+SIZED = ".model.sized.stl"
 #: Where in the set-up of a test, and of a drape, the emulator's settings are added.
 PRESSED = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
 DRAPED = {
@@ -103,23 +108,34 @@ def extend_drape(
     case: DrapeCase,
     material: MaterialDocument | None,
     sheet: Sheet,
+    placed: Callable[[Mapping[str, float]], PlacedMold],
     problem: DrapeProblem,
     found: Finding,
 ) -> Extension:
-    """Return the case of the extended drape, and the fabric it reads."""
+    """Return the case of the extended drape, and the fabric and the mold it reads; ``placed`` tells the mold by what is
+    added."""
     fit = found.after.fit
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
-    larger = drape_applied(case, {"depth": own["depth"], **problem.amounts(fit.terms)})
-    notes = []
+    amounts = problem.amounts(fit.terms)
+    larger = drape_applied(case, {"depth": own["depth"], **amounts})
+    notes, files = [], dict[str, bytes | Document]()
+    if "mold-size" in fit.terms:
+        larger, files[SIZED] = sized(larger, str(out.path(SIZED)), placed(amounts))
     if "shear-stiffness" in fit.terms and case.shear_law is not None:
         notes.append("shear-stiffness: a modulus takes the place of the measured law of shear")
     if material is None:
         laws = (_thread(sheet.warp, own["warp"]), _thread(sheet.weft, own["weft"]))
         warp, weft = (str(out.path(suffix)) for suffix in THREADS)
         larger = replace(larger, warp=warp, weft=weft, thickness=sheet.thickness)
-        return Extension(larger, dict(zip(THREADS, laws, strict=True)), notes)
+        return Extension(larger, files | dict(zip(THREADS, laws, strict=True)), notes)
     fabric = scaled_material(material, {name: own[name] for name in problem.draped.names})
-    return Extension(replace(larger, material=str(out.path(FABRIC))), {FABRIC: fabric}, notes)
+    return Extension(replace(larger, material=str(out.path(FABRIC))), files | {FABRIC: fabric}, notes)
+
+
+def sized(case: DrapeCase, name: str, placed: PlacedMold) -> tuple[DrapeCase, bytes]:
+    """Return the case on a mold of that name, and the mold as an STL."""
+    data = stl_bytes(placed.surface.vertices, placed.surface.faces)
+    return replace(case, mold=(name,), axis="z", stl_unit="mm"), data
 
 
 def _thread(law: SpringLaw, factor: float) -> bytes:

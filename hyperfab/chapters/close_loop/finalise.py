@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Generic, TypeVar
 
@@ -120,14 +120,15 @@ def finish(
             other.tell(result)
         if apart:
             result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0])
+        if upstream is not None:
+            tick("the documents behind the model")
+            traced = upstream(found, result)
+            found = replace(found, verdict=result.verdict)
         say(job.console, problem, found, result)
         if out.wants_files:
             tick("the extended model")
             _model(job, out, given, extend(found), result, caution(found))
             _files(job, out, problem, found, Axis.of(problem, axis))
-        if upstream is not None:
-            tick("the documents behind the model")
-            traced = upstream(found, result)
     result.summary += traced
     job.console.note(*traced)
     return write(job, out, given, found, result)

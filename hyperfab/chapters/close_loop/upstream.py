@@ -30,8 +30,8 @@ from hyperfab.loop.upstream import ELSE, STATED, Chapter, Readings, Trace, trace
 WRITTEN = tuple(
     f".upstream{end}"
     for end in (
-        ".json", ".toml", ".vtu", ".[0-9]*.vtu", ".pvd", ".csv", ".png", ".formed.png", ".mold.stl", ".design.stl",
-        ".compensated.stl",
+        ".json", ".toml", ".stl", ".vtu", ".[0-9]*.vtu", ".pvd", ".csv", ".png", ".formed.png", ".mold.stl",
+        ".design.stl", ".compensated.stl",
     )
 )  # fmt: skip
 #: What shows a chapter by itself.
@@ -41,7 +41,17 @@ CHECKS = {
     "foam": "press the foam alone between plates (force over travel), and gauge its thickness",
     "mounting": "dial gauges at four sides of the female's mounting face, and a feeler gauge at the datum",
     "sheet": "mark the sheet, and trace the drape (hf close-loop DRAPE.json MARKERS.csv --upstream)",
+    "mold": "the mold's width and height, by a calliper",
     "friction": "pull a strip of the fabric over the mold's material (ISO 8295)",
+}
+#: The chapter that has what an entry of the catalogue adds: both are one finding.
+_HAS = {
+    **dict.fromkeys(("tilt", "lateral-shift", "pretension"), "mounting"),
+    **dict.fromkeys(("foam-shrinkage", "foam-relaxation", "foam-softening", "thickness-variation"), "foam"),
+    **dict.fromkeys(("set", "fabric-compression"), "foam"),
+    "thermal-expansion": "temperature",
+    "friction": "friction",
+    "mold-size": "mold",
 }
 
 
@@ -159,8 +169,37 @@ def add(
         told.error = errors(traced.shown)
         if out.wants_files:
             told.written, told.command = _write(job, given, out, traced.link, traced.corrected)
+    told.instead_of = instead_of(result, found.suspects)
+    # What is not told from a document that is off is not sure to lack.
+    if told.instead_of and result.verdict == "effect":
+        result.verdict = "ambiguous"
     result.upstream = told
-    return _say(told)
+    return [*_say(told), *_both(told, result.verdict)]
+
+
+def instead_of(result: LoopDocument, suspects: Sequence[str]) -> list[str]:
+    """Return the effects in whose place a document may be off that does not have what they add, or what is not told
+    from them."""
+    if not suspects or ELSE in suspects:
+        return []
+    chapters = {one.rpartition(" ")[2] for one in suspects}
+    alike = {names[0]: names for names in result.indistinguishable}
+    named = {one.id: {_HAS.get(name, "") for name in alike.get(one.id, [one.id])} for one in result.effects}
+    return [name for name, own in named.items() if not chapters <= own]
+
+
+def _both(told: Upstream, verdict: str) -> list[str]:
+    """Return in a sentence how what lacks and what is off go together."""
+    chapters = " or ".join(told.indistinguishable or [told.chapter or ""])
+    if told.instead_of:
+        names = " and ".join(told.instead_of)
+        return [
+            f"Upstream: {names} and {chapters} are no two findings: with the document put right {names} is not needed, "
+            "and these data cannot tell which it is. Make the check upstream before anything is added to the model."
+        ]
+    if verdict == "unexplained" and (told.chapter or told.indistinguishable) and ELSE not in told.indistinguishable:
+        return [f"Upstream: {chapters} explains what no entry of the catalogue does: put that right, and add nothing."]
+    return []
 
 
 def _constants(link: Link, found: Trace) -> list[MovedConstant]:
@@ -197,15 +236,21 @@ def _write(
             out.add(f".upstream{suffix}", data)
         name = target
     else:
-        suffix = ".upstream.toml" if link.document.endswith(".toml") else ".upstream.json"
+        ending = os.path.splitext(link.document)[1].lower()
+        suffix = f".upstream{ending if ending in ('.toml', '.stl') else '.json'}"
         name = str(out.path(suffix))
-        if suffix.endswith(".toml"):
+        if suffix.endswith(".stl"):
+            data = corrected.document
+        elif suffix.endswith(".toml"):
             data = _relocated(corrected.document, link.document, name)
         else:
             document = parse_document(load_json(corrected.document, name), name, MaterialDocument)
             data = signed(job, given, document, name)
         out.add(suffix, data)
-    changed = {one.name: name for one in command.settings().values() if getattr(command, one.name) == link.document}
+    asked = {one.name: getattr(command, one.name) for one in command.settings().values()}
+    changed: dict[str, Any] = {key: name for key, value in asked.items() if value == link.document}
+    # A mold is one of several, as its option may be repeated.
+    changed |= {key: (name,) for key, value in asked.items() if value == (link.document,)}
     command = replace(command, **changed)
     return os.path.basename(name), command_line(command, name, [name])
 

@@ -11,7 +11,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward
-from hyperfab.chapters.close_loop.extended_sheet import drape_applied
+from hyperfab.chapters.close_loop.extended_sheet import drape_applied, sized
 from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, TOGETHER
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
@@ -20,12 +20,14 @@ from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.drape import DEPTH_SD, DrapeProblem, Markers, at_markers
+from hyperfab.loop.drape import DEPTH_SD, SIZES, DrapeProblem, Markers, at_markers
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.upstream import Readings
 
-#: What the friction is off by, where nothing is stated.
-_FRICTION = 0.1
+#: What the friction and the mold's size (a share of it) are off by, where nothing is stated.
+_FRICTION, _LARGER = 0.1, 0.01
+#: Chapters whose numbers err together in part: constants of one fabric, the ways of one mold.
+_ALIKE = ("fabric", "mold")
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class DrapeChain:
 
     def __init__(self, forward: Forward, problem: DrapeProblem, share: float) -> None:
         self.forward, self.problem, self.share = forward, problem, share
-        self.left_out = ["the mold: its surface is taken as it is drawn"]
+        self.left_out = ["the mold's shape: but for its size the surface is taken as it is drawn"]
         if forward.material is None:
             self.left_out.append("fabric: tests that are taken as laws as they stand; hf fit makes a document of them")
 
@@ -64,6 +66,7 @@ class DrapeChain:
                 Moved("weft more", STRETCH_SD),
             ],
             "friction": [Moved("friction", _FRICTION)] if draped.friction else [],
+            "mold": [Moved(way, _LARGER) for way in SIZES if way in draped.axes],
         }
 
     def links(self, readings: Sequence[Markers]) -> tuple[Array, list[Link]]:
@@ -71,11 +74,10 @@ class DrapeChain:
         links = []
         for chapter, numbers in self._chapters().items():
             sd = np.array([one.sd * one.size for one in numbers])
-            # Constants of one fabric err together in part.
-            alike = TOGETHER if chapter == "fabric" else 0.0
+            alike = TOGETHER if chapter in _ALIKE else 0.0
             covariance = alike * np.outer(sd, sd) + (1.0 - alike) * np.diag(sd**2)
             if numbers:
-                document = self.forward.case.material if chapter == "fabric" else None
+                document = {"fabric": self.forward.case.material, "mold": self.forward.case.mold[0]}.get(chapter)
                 predict = self._predict(numbers)
                 links.append(Link(chapter, covariance, predict, document or "", tuple(numbers)))
         return self._at(np.array([one.value for one in self.problem.own]), {}), links
@@ -104,6 +106,9 @@ class DrapeChain:
         own, amounts = self._moved(link.numbers, change)
         case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
         material = self.forward.material
+        if link.name == "mold":
+            case, data = sized(case, link.document, self.forward.placed(amounts))
+            return Corrected(case, {link.document: data}, data, case)
         if material is None or link.name != "fabric":
             return Corrected(case, {}, None, case)
         factors = dict(zip(self.problem.draped.names, map(float, own), strict=False))

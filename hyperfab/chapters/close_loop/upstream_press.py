@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import drape_applied
 from hyperfab.chapters.close_loop.handing import More, handing, hands_on, slope, warmer
-from hyperfab.chapters.close_loop.press import closed_press, on_front
+from hyperfab.chapters.close_loop.press import closed_press
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
+from hyperfab.chapters.close_loop.upstream_readings import is_traced, on_press, over_stroke, placed, seen
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
@@ -53,19 +55,14 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import dump_toml
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import GAP_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
-from hyperfab.loop.upstream import Readings
-from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
 
 #: What both molds' temperature is off by [K], where nothing is stated, and one that is known as a whole only.
 _KELVINS = 5.0
 #: The chapter of how a drape's sheet was mounted, and its numbers; what both molds are off by together.
 SHEET, MOUNTED, _BOTH = "sheet", ("prestretch", "weft more"), "both molds: temperature_K"
-#: Readings that are traced: those taken at places while the press is closed.
-KINDS = ("pressure", "thickness", "contact")
 
 
 @dataclass(frozen=True)
@@ -106,7 +103,8 @@ class PressChain:
         self.quiet = replace(job, console=Listener(), inputs=Overlay(given))
         self.files = read_files(self.quiet, self.case)
         self.model = model_of(self.quiet, self.case, self.files)
-        self.closed = solve(self.quiet, self.model).closed
+        self.result = solve(self.quiet, self.model)
+        self.closed = self.result.closed
         self.origins, self.owners = Origins(), dict[str, list[int]]()
         self._own()
         self._handed()
@@ -241,11 +239,18 @@ class PressChain:
     def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
         """Return what the press shows at readings as its documents are, and each chapter."""
         front = Surface(self.closed.cold, self.closed.front.faces)
-        there = [on_front(front, self.model.files.frame, one) for one in readings]
+        there = [on_press(front, self.model.files.frame, one) for one in readings]
+        pushed = over_stroke(self.result, readings)
 
-        def seen(changes: Mapping[int, Array]) -> Array:
+        def shown(changes: Mapping[int, Array]) -> Array:
             found, sandwich = self.near.close(changes)
-            return _read(there, sandwich, found.gap, found.touch)
+            return seen(
+                there,
+                sandwich,
+                found.gap,
+                found.touch,
+                None if pushed is None else partial(pushed.force, found=found, sandwich=sandwich),
+            )
 
         links = []
         for chapter, owned in self.owners.items():
@@ -255,12 +260,12 @@ class PressChain:
             cuts = np.cumsum([len(one.numbers) for one in sources])[:-1]
 
             def predict(change: Array, owned: list[int] = owned, cuts: Array = cuts) -> Array:
-                return seen(dict(zip(owned, np.split(change, cuts), strict=True)))
+                return shown(dict(zip(owned, np.split(change, cuts), strict=True)))
 
             numbers = tuple(number for one in sources for number in one.numbers)
             covariance = block_diag(*(one.source.covariance for one in sources))
             links.append(Link(chapter, covariance, predict, self._document(chapter), numbers))
-        return seen({}), links
+        return shown({}), links
 
     def _document(self, chapter: str) -> str:
         return self.sources.get(chapter) or (self.case.foam if chapter in ("foam", "mounting") else "")
@@ -317,27 +322,10 @@ class PressChain:
         job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
         told: PressResult = closed_press(job, case)[0]
         closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
-        there = [on_front(front, told.frame, one) for one in readings]
-        return _read(there, closed.press.sandwich, closed.contact.gap, closed.touch)
-
-
-def _read(readings: Sequence[Reading], sandwich: Sandwich, gap: Array, touch: Array) -> Array:
-    """Return the readings (n,) on the male's front, over gaps at its vertices: the nearest, and along the normal."""
-    return np.concatenate([one.shown(sandwich, touch if one.kind == "contact" else gap) for one in readings])
-
-
-def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings]:
-    """Return the readings that are traced, and their rows, in the ``noise`` of all rows of the problem."""
-    found = [
-        (reading, np.arange(curve.start, curve.stop))
-        for reading, curve in zip(problem.files, problem.curves, strict=False)
-        if reading.kind in KINDS and reading.places is not None and reading.warmth is None
-    ]
-    rows = np.concatenate([rows for _, rows in found])
-    readings = [reading for reading, _ in found]
-    places = np.concatenate([reading.places for reading in readings if reading.places is not None])
-    kind = np.concatenate([np.full(len(one.values), KINDS.index(one.kind)) for one in readings])
-    return readings, Readings(problem.measured[rows], noise.sd[rows], places, kind, noise.dof)
+        there = [on_press(front, told.frame, one) for one in readings]
+        pushed = over_stroke(told, readings)
+        force = None if pushed is None else pushed.force
+        return seen(there, closed.press.sandwich, closed.contact.gap, closed.touch, force)
 
 
 def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str, bytes]:
@@ -361,9 +349,10 @@ def tracing(
     """Return what traces a finding on a press to the documents behind it; UsageError where nothing can be traced."""
     if case.zero == "hot":
         raise UsageError("--upstream traces no clearance that is set on hot molds: take --zero cold")
-    if not any(one.kind in KINDS and one.warmth is None for one in problem.files):
+    if not any(is_traced(problem, one) for one in problem.files):
         raise UsageError(
-            "--upstream traces pressure, thickness or contact at places of the closed press, and none was measured"
+            "--upstream traces pressure, thickness or contact at places of the closed press, and force over the stroke "
+            "of molds that are guided, and none was measured"
         )
 
     # What cannot be traced is said before the loop is closed.

@@ -10,12 +10,13 @@ from hyperfab.loop.problem import Constant, Effect, Form
 @dataclass(frozen=True)
 class DataContext:
     """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
-    area [g/m^2]."""
+    area [g/m^2], the mold's size (a share of it)."""
 
     prestretch: tuple[float, float]
     friction: float
     shear: float
     mass: float
+    larger: float = 0.0
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -26,6 +27,7 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
         pretension(context),
         shear_stiffness(context),
         biaxial_coupling(context),
+        mold_size(context),
     )
 
 
@@ -100,4 +102,24 @@ def biaxial_coupling(context: DataContext) -> Effect:
         not_sought="a net has no amount of it: drape with --sheet membrane, and close the loop on that"
         if net
         else "a membrane's law has its own coupling",
+    )
+
+
+def mold_size(context: DataContext) -> Effect:
+    """A mold of another size than its surface is drawn with: by one share all ways, or across the way it is pushed."""
+    most = context.larger
+    ways = (
+        ("all ways", "larger", ("mold width", "mold height")),
+        ("across", "wider", ("mold width",)),
+    )
+    return Effect(
+        id="mold-size",
+        title="the mold is larger or smaller than its drawing",
+        shown_by="the mold's width and height, by a calliper",
+        source="geometric similarity, about the middle of the mold's top",
+        forms=tuple(
+            Form(name, (Constant(key, 0.0, -most, most, 0.005, places=places),), ((0.01,), (-0.01,)), ((0.003,),))
+            for name, key, places in (ways if most else ())
+        ),
+        not_sought="" if most else "the sheet finds no rest on a mold of another size",
     )

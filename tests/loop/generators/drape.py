@@ -17,7 +17,7 @@ from scipy.sparse.linalg import spsolve
 
 Array = NDArray[np.float64]
 
-IDS = ("friction", "shear-stiffness", "pretension", "gravity")
+IDS = ("friction", "shear-stiffness", "pretension", "gravity", "mold-size")
 #: What no entry of the catalogue says: a camera out of square, a sheet creased across, a net read in the wrong scale.
 OUTSIDE = ("skewed-camera", "crease", "lens")
 SIDE, BALL, DEPTH, NODES, THICK = 200.0, 60.0, 50.0, 21, 1.0
@@ -85,6 +85,7 @@ class Net:
         share = np.outer(*(np.where(np.isin(np.arange(n), (0, n - 1)), 0.5, 1.0) * h for _ in range(2)))
         self.weight = share.ravel() / pre**2 * 2000.0 * size.get("gravity", np.zeros(2))[0] * 9.80665e-9
         self.mu = 0.4 * size.get("friction", np.zeros(2))[0]
+        self.ball = BALL * (1.0 + 0.05 * size.get("mold-size", np.zeros(2))[0])
         u = np.linspace(-0.5 * SIDE, 0.5 * SIDE, n)
         x, y = np.meshgrid(u, u, indexing="ij")
         self.flat = np.stack([x.ravel(), y.ravel(), np.zeros(n * n)], axis=1)
@@ -92,7 +93,7 @@ class Net:
 
     def rest_at(self, depth: float, start: Array, anchors: Array | None) -> tuple[Array, Array]:
         """Return the nodes at equilibrium with the ball's top at ``depth``, and the pressure on each [N]."""
-        x, centre = start.copy(), np.array([0.0, 0.0, depth - BALL])
+        x, centre = start.copy(), np.array([0.0, 0.0, depth - self.ball])
         hard, held = 60.0, HELD
         dofs = (3 * self.free[:, None] + np.arange(3)).ravel()
         for step in range(200):
@@ -116,9 +117,9 @@ class Net:
             away = x - centre
             far = np.linalg.norm(away, axis=1)
             normal = away / far[:, None]
-            inside = np.flatnonzero(far < BALL)
+            inside = np.flatnonzero(far < self.ball)
             pressure = np.zeros(len(x))
-            pressure[inside] = hard * (BALL - far[inside])
+            pressure[inside] = hard * (self.ball - far[inside])
             force += pressure[:, None] * normal
             touch = hard * normal[inside, :, None] * normal[inside, None, :]
             if anchors is not None:
@@ -176,7 +177,7 @@ class Net:
         for depth in steps:
             x, pressure = self.rest_at(float(depth), x, anchors if self.mu else None)
             if self.mu:
-                centre = np.array([0.0, 0.0, depth - BALL])
+                centre = np.array([0.0, 0.0, depth - self.ball])
                 touching = pressure > 0.0
                 new = touching & ~np.isfinite(anchors[:, 0])
                 anchors[new] = x[new] - centre
