@@ -105,7 +105,8 @@ class Draped:
     sheet as stiff as the model's own, ``carried`` being the shear modulus [MPa] and mass [g/m^2] that has (None where
     it has what does not scale so: a holder, a measured law of shear). ``round``: the sheet is the ellipse within
     ``size``. ``finer``: further runs on the model's own grid, settings and nodes: what they are off the emulated ones
-    by fades away from them, and is nothing at the base.
+    by fades away from them, and is nothing at the base. ``widths``: how many times as far as a stiffness each constant
+    of the law may be off (once where none are given).
     """
 
     kriged: Kriged
@@ -117,6 +118,7 @@ class Draped:
     carried: tuple[float, float] | None
     round: bool = False
     finer: tuple[tuple[Array, Array], ...] = ()
+    widths: tuple[float, ...] = ()
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -261,7 +263,11 @@ def drape_problem(
 ) -> DrapeProblem:
     """Return the problem of marker files; each is cut into patches, whose x, y and z are left out in turn."""
     parts = [part for one in files for part in one.parts()]
-    constants = [Constant(name, 1.0, 0.05, 20.0, 0.1, prior) for name in draped.names]
+    wide = draped.widths or np.ones(len(draped.names))
+    constants = [
+        Constant(name, 1.0, 0.05, 20.0 * far, 0.1 * far, prior * far)
+        for name, far in zip(draped.names, wide, strict=True)
+    ]
     constants.append(Constant("depth", 0.0, -5.0, 5.0, DEPTH_SD, DEPTH_SD))
     curves, row = [], 0
     for number, part in enumerate(parts):
@@ -326,8 +332,9 @@ def places(axes: Sequence[Axis]) -> list[dict[str, float]]:
     >>> len(places([Axis("law warp", 1.0, 0.3, mixes=False), *(Axis(name, 0.0, 1.0) for name in names)]))
     84
     """
-    own = [axis.name for axis in axes if not axis.mixes]
-    found = [{name: way} for name in own for way in (1.0, -1.0)]
+    ends = {axis.name: (axis.down or axis.up) / axis.up for axis in axes if not axis.mixes}
+    own = list(ends)
+    found = [{name: way} for name in own for way in (1.0, -ends[name])]
     found += [{name: share} for name in (*_SMOOTH, "friction") for share in _ALONE]
     down = next(axis.down / axis.up for axis in axes if axis.name == "prestretch")
     found += [{"prestretch": -share * down} for share in (0.5, 1.0) if down > 0.0]

@@ -25,6 +25,7 @@ from loop.blind_chain import (
     molds,
     outcome,
 )
+from loop.generators import drape as nets
 
 from hyperfab.chapters.close_loop.unsure import unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import instead_of, moved
@@ -198,6 +199,14 @@ def test_documents_made_unsure_are_sound_and_keep_what_they_state() -> None:
         more = 1e-6 if way == "warp" else 0.0
         expected = [(0.1 * value) ** 2 + more for value in part.parameters.values()]
         assert np.diag(np.array(part.fit.uncertainty.covariance)) == pytest.approx(expected)
+    # A whole sheet's law is unsure as one: its directions are that law again.
+    law = {"C10_MPa": 0.05, "k1_warp_MPa": 0.02, "k2_warp": 0.2, "nu": 0.4}
+    sheet = {"format": "hyperfab.material/1", "model": "orthotropic", "parameters": law}
+    sheet["directions"] = {way: {"parameters": law} for way in ("warp", "weft")}
+    whole = parse_document(unsure_fabric(sheet, 0.1), "sheet.json", MaterialDocument)
+    assert whole.fit is not None
+    assert whole.fit.uncertainty is not None
+    assert whole.fit.uncertainty.order == ["C10_MPa", "k1_warp_MPa"]
     mold = {
         "format": "hyperfab.mold/1",
         "heater": [{"on": "all", "power": "3 kW"}],
@@ -395,3 +404,29 @@ def test_an_effect_that_a_document_behind_the_model_may_stand_for_is_not_sure() 
     assert found("thermal-expansion", [], "male temperature") == []
     assert found("thickness-variation", [["thickness-variation", "tilt"]], "mounting") == []
     assert found("tilt", [], "something else") == found("tilt", []) == []
+
+
+@pytest.mark.slow
+def test_threads_of_a_whole_sheet_are_put_right(hf: Run, tmp_path: Path) -> None:
+    """Warp threads 1.8 times as stiff in a membrane: a sheet stretched along one way was named for sure."""
+    (tmp_path / "ball.stl").write_bytes(nets.ball_stl(rings=20, around=40))
+    words = ("fabric.json", "--sheet", "membrane", "--mold", "ball.stl", "--grid", "15x15", "--thickness", "1mm")
+    words += ("--size", f"{nets.SIDE}mmx{nets.SIDE}mm", "--depth", f"{nets.DEPTH}mm")
+    law = {"C10_MPa": 0.05, "C20_MPa": 0.01, "k1_warp_MPa": 0.02, "k2_warp": 0.1}
+    for target, more in (("true", {"k1_warp_MPa": 0.036}), ("drape", {})):
+        plain = {"format": "hyperfab.material/1", "model": "orthotropic", "parameters": law | more}
+        (tmp_path / "fabric.json").write_text(json.dumps(plain))
+        assert hf("drape", *words, "-o", f"{target}.json", cwd=tmp_path).returncode == 0
+    field = read_vtu((tmp_path / "true.vtu").read_bytes(), "true")
+    rows = np.hstack([field.point_data["flat_mm"][:, :2], field.points])
+    rows[:, 2:] += 0.02 * np.random.default_rng(2).standard_normal(field.points.shape)
+    head = "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]"
+    np.savetxt(tmp_path / "markers.csv", rows, fmt="%.4f", delimiter=",", header=head, comments="")
+    done = hf("close-loop", "drape.json", "markers.csv", "--upstream", "-o", "loop.json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr.decode()
+    document = json.loads((tmp_path / "loop.json").read_text())
+    assert document["effects"] == []
+    assert document["upstream"]["chapter"] == "fabric"
+    written = json.loads((tmp_path / "loop.upstream.json").read_text())["parameters"]
+    ratio = written["k1_warp_MPa"] / written["C10_MPa"]
+    assert ratio == pytest.approx(0.036 / 0.05, rel=0.25)

@@ -55,6 +55,7 @@ def test_a_stretch_along_one_way_is_not_an_even_one_of_threads_that_nobody_knows
 
 def test_an_effect_beside_a_constant_at_the_end_of_what_is_known_is_not_sure(monkeypatch: pytest.MonkeyPatch) -> None:
     """A mold pushed up by 1 mm more than its document says: what is nearest takes the depth to its end."""
+    blind_drape.model()  # of the document, whose mold is as it was drawn
     monkeypatch.setattr(nets, "DEPTH", nets.DEPTH + 1.0)
     found = seen((1.0, 1.0), 0.2, 0)
     fit = found.after.fit
@@ -64,6 +65,7 @@ def test_an_effect_beside_a_constant_at_the_end_of_what_is_known_is_not_sure(mon
 
 @pytest.mark.parametrize("larger", [0.05, -0.04])
 def test_a_mold_of_another_size_is_found(monkeypatch: pytest.MonkeyPatch, larger: float) -> None:
+    blind_drape.model()  # of the document, whose mold is as it was drawn
     monkeypatch.setattr(nets, "BALL", (1.0 + larger) * nets.BALL)
     found = seen((1.0, 1.0), 0.05, 0)
     assert (found.verdict, found.after.ids) == ("effect", ("mold-size",))

@@ -7,13 +7,15 @@ import pytest
 from laws.constants import CONSTANTS
 
 from hyperfab.chapters.close_loop.contact import _known
-from hyperfab.chapters.close_loop.softening import scaled_material, soften
+from hyperfab.chapters.close_loop.softening import linear_of, scaled_material, soften, widths
 from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
 from hyperfab.materials import bind, laws
 from hyperfab.materials.effects.anisotropy import FORMS
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import uniaxial_pull
 from hyperfab.materials.law import scaled
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.specimen import Along
 
 FIBRES = {"fabric-fibres": (0.1, 0.05, 0.02, 0.4, 0.3)}
 NAMES = sorted(laws())
@@ -50,6 +52,32 @@ def test_a_scaled_document_scales_each_direction_at_each_temperature(name: str) 
         for degrees in (None, 80.0):
             found = scaled.constants(direction, degrees)
             np.testing.assert_allclose(stresses(name, found), factor * stresses(name, plain), rtol=1e-13)
+
+
+def test_a_scaled_sheet_is_one_law_seen_along_both_ways() -> None:
+    """Of a whole sheet's law the ground and the threads are scaled, and its directions are that law again."""
+    plain = {"C10_MPa": 0.05, "C30_MPa": 0.01, "k1_warp_MPa": 0.02, "k2_warp": 0.2, "G_MPa": 0.03, "nu": 0.4}
+    law = Orthotropic.of(plain)
+    ways = {"warp": law, "weft": law.turned()}
+    document = MaterialDocument(
+        model="orthotropic",
+        parameters=dict(law.parameters),
+        directions={way: Direction(parameters=dict(seen.parameters)) for way, seen in ways.items()},
+    )
+    names, scales = linear_of(document)
+    assert (names, scales) == (("ground", "k1_warp_MPa", "G_MPa"), (True, True, True))
+    found = scaled_material(document, {"ground": 0.8, "k1_warp_MPa": 2.5})
+    wanted = Orthotropic.of(plain | {"C10_MPa": 0.04, "C30_MPa": 0.008, "k1_warp_MPa": 0.05})
+    assert found.directions is not None
+    assert found.parameters == pytest.approx(wanted.parameters)
+    assert found.directions["warp"].parameters == pytest.approx(wanted.parameters)
+    assert found.directions["weft"].parameters == pytest.approx(wanted.turned().parameters)
+    # As far off as a tenth of what bears along the warp: threads bear a part of it.
+    wide = widths("orthotropic", plain, names)
+    stiffer = Orthotropic.of(plain | {"k1_warp_MPa": 0.02 * (1.0 + 0.1 * wide[1])})
+    slopes = [float(Along(one, 0.0).uniaxial([1.1]).A[0]) for one in (law, stiffer)]
+    assert wide[0] == 1.0
+    assert slopes[1] == pytest.approx(1.1 * slopes[0], rel=0.02)
 
 
 @pytest.mark.parametrize("name", ISOTROPIC)

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.extended_sheet import FABRIC, SIZED, THREADS, 
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Traces, finish
 from hyperfab.chapters.close_loop.readings import Files, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
+from hyperfab.chapters.close_loop.softening import linear_of, scaled_material, widths
 from hyperfab.chapters.close_loop.upstream import WRITTEN
 from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
@@ -57,6 +57,8 @@ _NEAR = 1e-2
 _OFF, _ASIDE = 0.2, 0.12
 #: How far an added prestretch and the friction may go, and how slack a sheet may be mounted.
 _MOST_STRETCH, _MOST_FRICTION, _SLACK = 0.12, 0.6, 0.95
+#: How far constants of the law are run, as shares of a stiffness, and how far down at the most, of themselves.
+_STIFFER, _LEAST = 0.35, 0.95
 #: How much larger or smaller a mold may be than it is drawn.
 _LARGER = 0.06
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
@@ -180,6 +182,9 @@ class Forward:
         self.case, self.material = case, material
         # Laws that came straight from tests are scaled along warp and weft.
         self.names, self.scales = (("warp", "weft"), (True, True)) if material is None else linear_of(material)
+        self.widths = np.ones(len(self.names))
+        if material is not None:
+            self.widths = widths(material.model, material.parameters, self.names)
         # What the files are warned of was said when the document was made.
         self.job = replace(job, console=Listener())
         self.files = read_files(self.job, case)
@@ -296,7 +301,10 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     modulus = float(np.mean([float(law(1.001)[2][0]) for law in (sheet.warp, sheet.weft)]))
     heavy = _SAG * modulus * sheet.thickness / (GRAVITY * 1e-9 * max(sheet.size))
     down = min(max(min(sheet.prestretch) - _SLACK, 0.0), 0.1)
-    axes = [Setting(f"law {name}", 1.0, 0.35, 0.35, mixes=False) for name in forward.names]
+    axes = [
+        Setting(f"law {name}", 1.0, _STIFFER * far, min(_STIFFER * far, _LEAST), mixes=False)
+        for name, far in zip(forward.names, forward.widths, strict=True)
+    ]
     axes += [
         Setting("depth", 0.0, 0.4, 0.4, mixes=False),
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
@@ -332,4 +340,7 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     carried = (case.shear_modulus or 0.0, case.mass) if alike else None
     kriged = krige(axes, np.array(settings), np.array(values))
     fine = np.asarray(rest.state.x)
-    return Draped(kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round)
+    return Draped(
+        kriged, forward.grid, fine, sheet.size, forward.names, forward.scales, carried, sheet.round,
+        widths=tuple(forward.widths),
+    )  # fmt: skip

@@ -10,10 +10,13 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.softening import widths
+from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.uncertainty.sources import Entry, Origin, Place, inside, of_document, read_as, together
 from hyperfab.documents.foam import FoamDocument, in_full
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import quantity
+from hyperfab.materials.orthotropic import LINEAR
 
 #: Quantities of a mold that are off by a share of themselves, by their section; those that are off by kelvins.
 _SHARES = {
@@ -70,7 +73,9 @@ def unsure_fabric(plain: Any, share: float) -> Any:
     for place in _laws(found):
         constants = place["parameters"]
         order = [name for name, value in constants.items() if isinstance(value, float) and value != 0.0]
-        values = share * np.array([constants[name] for name in order])
+        if found["model"] == ORTHOTROPIC:
+            order = [name for name in order if name in LINEAR]
+        values = share * np.array([constants[name] for name in order]) * widths(found["model"], constants, order)
         covariance: Array = TOGETHER * np.outer(values, values) + (1.0 - TOGETHER) * np.diag(values**2)
         fit = place.setdefault("fit", {"E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 1})
         own = fit.get("uncertainty") or {}
@@ -89,7 +94,8 @@ def unsure_fabric(plain: Any, share: float) -> Any:
 
 def _laws(plain: Any) -> Iterator[Any]:
     """Yield what has constants: the document, or its directions; and those at each temperature."""
-    ways = plain.get("directions") or {}
+    # Directions of a whole sheet's law are that law again.
+    ways = {} if plain["model"] == ORTHOTROPIC else plain.get("directions") or {}
     for part in ways.values() if {"warp", "weft"} <= set(ways) else [plain]:
         yield part
         yield from part.get("temperatures") or []

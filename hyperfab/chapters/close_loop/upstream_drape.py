@@ -57,7 +57,10 @@ class DrapeChain:
         fabric = []
         if material is not None:
             file, known = self.forward.case.material, material.parameters
-            fabric = [Moved(name, self.share, file, float(known.get(name, 1.0))) for name in draped.names]
+            fabric = [
+                Moved(name, self.share * float(far), file, float(known.get(name, 1.0)))
+                for name, far in zip(draped.names, self.forward.widths, strict=True)
+            ]
         return {
             "fabric": fabric,
             "mounting": [
