@@ -2,20 +2,22 @@
 
 A chapter is what one document upstream says: the foam, the fabric's constants, the molds' temperature, how the press is
 mounted. Its constants have a covariance beforehand, and a chapter at fault may be off by a few times that (``SCALES``,
-alike beforehand). Against each stand that all is as stated, and that it is something else: a smooth field over the
-places, or readings noisier than they were told to be. Laplace's approximation at each chapter's own best constants
-(MacKay, Information Theory, Inference, and Learning Algorithms, 2003, chapter 27).
+alike beforehand), in all of them or, as likely, in one and those that err with it. Against each stand that all is as
+stated, and that it is something else: a smooth field over the places, or readings noisier than they were told to be.
+Laplace's approximation at each chapter's own best constants (MacKay, Information Theory, Inference, and Learning
+Algorithms, 2003, chapter 27).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.special import logsumexp
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.loop.thresholds import ODDS, SHARE
 from hyperfab.numerics.propagation import Source
 
@@ -137,8 +139,30 @@ def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
 
 
 def _blamed(chapter: Chapter, readings: Readings, stated: Array, sd: Array) -> Blamed:
-    """Return a chapter at its best; its constants in independent directions of one standard deviation each."""
-    root, measured = Source("", chapter.covariance).root, readings.measured
+    """Return a chapter at its best: as likely as that all of its constants are off, one of them is, whichever, with
+    those that err with it."""
+    blocks = _blocks(chapter.covariance)
+    free = [np.ones(len(chapter.covariance), dtype=bool), *(blocks if len(blocks) > 1 else ())]
+    share = np.log([1.0] if len(free) == 1 else [0.5, *[0.5 / len(blocks)] * len(blocks)])
+    tried = [_freed(chapter, one, readings, stated, sd) for one in free]
+    weights = np.array([one.evidence for one in tried]) + share
+    return replace(tried[int(np.argmax(weights))], evidence=float(logsumexp(weights)))
+
+
+def _blocks(covariance: Array) -> list[Flags]:
+    """Return which constants err together, block by block, each as a mask (k,).
+
+    >>> [list(map(int, one)) for one in _blocks(np.array([[1.0, 0.0, 0.5], [0.0, 1.0, 0.0], [0.5, 0.0, 1.0]]))]
+    [[1, 0, 1], [0, 1, 0]]
+    """
+    count, block = connected_components(covariance != 0.0, directed=False)
+    return [block == one for one in range(count)]
+
+
+def _freed(chapter: Chapter, free: Flags, readings: Readings, stated: Array, sd: Array) -> Blamed:
+    """Return a chapter at its best with the constants that are ``free`` (k,) off, the others as stated; in independent
+    directions of one standard deviation each."""
+    root, measured = Source("", np.where(np.outer(free, free), chapter.covariance, 0.0)).root, readings.measured
     place, value = np.zeros(root.shape[1]), stated
     found: list[tuple[float, Array, Array, Array]] = []
     for scale in SCALES:
@@ -154,7 +178,8 @@ def _blamed(chapter: Chapter, readings: Readings, stated: Array, sd: Array) -> B
     precision = slope.T @ slope + np.eye(len(place)) / SCALES[best] ** 2
     spread = root @ np.linalg.inv(precision) @ root.T
     evidence = float(logsumexp(weights) - np.log(len(weights)))
-    return Blamed(chapter, root @ place, np.sqrt(np.diag(spread)), value, evidence)
+    variance = np.where(free, spread.diagonal(), chapter.covariance.diagonal())
+    return Blamed(chapter, root @ place, np.sqrt(variance), value, evidence)
 
 
 def _best(
