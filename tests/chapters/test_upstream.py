@@ -318,7 +318,7 @@ def test_heat_documents_of_steady_runs_may_be_off_as_a_whole(hf: Run, tmp_path: 
     assert number["change"] == pytest.approx(warmer, abs=3.0 * number["sd"])
     assert number["sd"] < 0.3 * warmer
     assert both["error"]["after"]["chi2_reduced"] < 1.4 < 2.0 < both["error"]["before"]["chi2_reduced"]
-    assert "temperature" in (told["chapter"], *told["indistinguishable"])
+    assert "temperature" in (told.get("chapter"), *told["indistinguishable"])
 
 
 @pytest.mark.slow
