@@ -145,9 +145,10 @@ def _scene(scene: Any, draped: Draped, field: Array, scale: Normalize) -> None:
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     light = 0.55 + 0.4 * np.clip(normal @ LightSource(azdeg=300, altdeg=50).direction, 0.0, 1.0)
     grey = np.column_stack([light, light, light, np.ones(len(light))])
-    # One collection: matplotlib sorts by depth within a collection alone.
+    # One collection: matplotlib sorts by depth within a collection alone. All of four corners: it fills up those of
+    # fewer with whatever the memory held, and its axes would span that.
     surfaces = Poly3DCollection(
-        [*facets, *quads],
+        np.concatenate([facets[:, [0, 1, 2, 2]], quads]),
         facecolors=np.vstack([grey, colours]),
         edgecolors=["#00000000"] * len(facets) + ["#00000028"] * len(quads),
         linewidths=0.2,

@@ -144,3 +144,25 @@ def test_what_rubs_is_accounted_for_with_its_size(drape):  # noqa: F811
     assert 0.02 * found["energy_J"] < told["rubbed_J"] < 0.2 * found["energy_J"]
     assert told["sticking_nodes"] + told["sliding_nodes"] == found["contact_nodes"]
     assert told["load_steps"] >= 5
+
+
+def test_a_picture_does_not_span_what_the_memory_held(monkeypatch):
+    """Facets of the mold and cells of the sheet in one collection: where these have not as many corners, matplotlib
+    fills up those that have fewer with memory as it lies there, and its axes span that too."""
+    from types import SimpleNamespace
+
+    from matplotlib.colors import Normalize
+    from matplotlib.figure import Figure
+
+    from hyperfab.report.figures_drape import Draped, _scene
+
+    x, y = np.meshgrid([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], indexing="ij")
+    points = np.stack([x, y, x * y], axis=2)
+    peak = ([1.0, 1.0], [1.0, 1.0, 1.0])
+    mold = np.array([[0.0, 0.0, 3.0], [2.0, 0.0, 1.0], [0.0, 2.0, 2.0]]), np.array([[0, 1, 2]])
+    plain = np.empty
+    monkeypatch.setattr(np, "empty", lambda *shape, **kind: np.full_like(plain(*shape, **kind), 1e300))
+    scene = Figure().add_subplot(projection="3d")
+    _scene(scene, Draped(points, points, SimpleNamespace(), peak, mold), np.ones((2, 2)), Normalize(0.0, 1.0))
+    assert scene.xy_dataLim.get_points() == pytest.approx(np.array([[0.0, 0.0], [2.0, 2.0]]))
+    assert scene.zz_dataLim.get_points()[:, 0] == pytest.approx([0.0, 4.0])
