@@ -200,7 +200,8 @@ class LoopDocument(Document):
     something_else: float | None = optional("probability that what the model lacks is no entry of the catalogue")
     indistinguishable: list[list[str]] = Field(
         default_factory=list,
-        description="sets of effects that these data cannot tell apart, the named one first",
+        description="sets of effects that these data cannot tell apart, the named one first; among them constants "
+        "of the model, where one that is further off than is known of it may be all there is",
     )
     next_measurement: NextMeasurement | None = None
     upstream: Upstream | None = optional("with --upstream: the documents behind the model")

@@ -49,7 +49,26 @@ def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[
         for other in _never_told_from(search.problem, name, best.fit.forms):
             if other in tried[name]:
                 others.setdefault(other, tried[name][other])
+        if search.problem.effect(name).of_document:
+            found[name] = {**others, **_own_instead(search, best, name)}
     return found
+
+
+def _own_instead(search: Search, best: Candidate, name: str) -> dict[str, Candidate]:
+    """Return the model's own constants that could stand for a found effect, with the model that has them further off.
+
+    Without the effect they are driven to the end of what is known of them: what is left then may ask for no more than
+    that the document is wrong in them, which is no less likely than that another one is.
+    """
+    problem, without = search.problem, search.without(best, name)
+    loose = problem.loosened(without.fit.x[: without.fit.own])
+    if loose is None:
+        return {}
+    again = fit(loose, search.noise, dict(without.fit.forms), without.fit.x)
+    state = Candidate(loose, search.noise, again)
+    takes = without.fit.chi2 - again.chi2 > 0.5 * (without.fit.chi2 - best.fit.chi2)
+    as_good = takes and _gap(search, best, state) < MARGIN
+    return dict.fromkeys(problem.strained(again.x[: again.own]), state) if as_good else {}
 
 
 def _as_likely(search: Search, best: Candidate, sure: Belief) -> dict[str, dict[str, Candidate]]:

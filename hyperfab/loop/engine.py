@@ -199,7 +199,9 @@ def _closed(
     else:
         verdict = "effect" if sure_of().something_else <= 0.5 else "unexplained"
     measurements: list[NextMeasurement] = []
-    alike = {id(state): state.fit for instead in others.values() for state in instead.values()}
+    # What a constant of the model is, is measured by itself.
+    stood = [state for instead in others.values() for state in instead.values() if state.problem is problem]
+    alike = {id(state): state.fit for state in stood}
     if alike and design:
         tick("next measurement")
         measurements = next_measurement(problem, level, [best.fit, *alike.values()])

@@ -19,6 +19,8 @@ from hyperfab.loop.scatter import Guess
 
 #: Standard deviations a constant may be off.
 SURE = 3.0
+#: How many times what was known beforehand the constants of a document at fault may be off, alike beforehand.
+SCALES = (0.3, 1.0, 3.0)
 
 
 class File(Protocol):
@@ -55,6 +57,8 @@ class FilesProblem(Problem, Generic[F]):
     files: tuple[F, ...] = field(kw_only=True)
     further: tuple[F, ...] = field(default=(), kw_only=True)
     scale: tuple[float, ...] = field(default=(), kw_only=True)
+    #: The constants as they were posed, before they were held near what is known of them.
+    posed_of: tuple[Constant, ...] = field(default=(), kw_only=True)
 
     @classmethod
     def posed(
@@ -78,6 +82,7 @@ class FilesProblem(Problem, Generic[F]):
             own=tuple(replace(one, prior_sd=np.inf) for one in priors),
             files=tuple(parts),
             priors=priors,
+            posed_of=tuple(constants),
             **of,
         )
 
@@ -102,6 +107,15 @@ class FilesProblem(Problem, Generic[F]):
         away = np.abs(known(self.priors, own)) if self.priors else np.empty(0)
         names = [one.name for one in self.priors if np.isfinite(one.prior_sd)]
         return [name for name, one in zip(names, away, strict=True) if one > far - 1e-6]
+
+    def loosened(self, own: Array) -> Self | None:
+        """Return the problem where constants at the end of what is known of them may be as far off as those of a
+        document at fault; None where none is there."""
+        far = self.strained(own)
+        held = [one.name for one in self.priors if one.low == one.high]
+        loose = [replace(one, prior_sd=max(SCALES) * one.prior_sd) if one.name in far else one for one in self.posed_of]
+        priors = sure(loose, held)
+        return replace(self, own=tuple(replace(one, prior_sd=np.inf) for one in priors), priors=priors) if far else None
 
     def with_reading(self, reading: F, scale: float = 1.0, **changes: Any) -> Self:
         """Return the problem with a further reading at its end, its rows times ``scale``."""

@@ -110,7 +110,8 @@ class Effect:
 
     ``shown_by`` is the measurement that would tell it from its look-alikes; ``smooth`` whether a too poor smooth law
     could pass for it (its score is then taken off a space of smooth curves). ``not_sought`` says why an entry is left
-    out: the model has it, or the data lack what it shows on.
+    out: the model has it, or the data lack what it shows on. ``of_document``: it says that a document is wrong in what
+    it states, not that the model lacks something; so may the model's own constants be, as far off.
     """
 
     id: str
@@ -120,6 +121,7 @@ class Effect:
     forms: tuple[Form, ...]
     smooth: bool = False
     not_sought: str = ""
+    of_document: bool = False
 
     def form(self, name: str) -> Form:
         """Return the form of that name."""
@@ -245,6 +247,11 @@ class Problem(ABC):
         There a model answers only because something makes up for what it lacks.
         """
         return []
+
+    def loosened(self, own: Array) -> Problem | None:
+        """Return the problem where those of the ``own`` constants (p,) that are driven to the end of what is known of
+        them may be further off; None where none is."""
+        return None
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much constants, together, are those of no material: what is asked for -> how far off, 0 if met.

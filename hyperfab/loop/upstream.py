@@ -18,7 +18,8 @@ from scipy.sparse.csgraph import connected_components
 from scipy.special import logsumexp
 
 from hyperfab.arrays import Array, Flags
-from hyperfab.loop.thresholds import ODDS, SHARE
+from hyperfab.loop.known import SCALES
+from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE
 from hyperfab.numerics.propagation import Source
 
 #: Beside the chapters: nothing is off, or something that no chapter has.
@@ -30,8 +31,10 @@ _LENGTHS, _SIZES = (0.1, 0.25, 0.5), (1.0, 3.0, 10.0, 30.0)
 _SURE_NOISE = 50.0
 #: Steps of Gauss and Newton, and their differences in standard deviations.
 _STEPS, _DIFFERENCE = 6, 0.05
-#: How many times what was known beforehand the constants of a chapter at fault may be off, alike beforehand.
-SCALES = (0.3, 1.0, 3.0)
+#: What is predicted counts as what is shown where they differ by less (rms, standard deviations of the noise).
+_NEAR = 0.2
+#: Runs of a chain are taken for the same place where they tell apart by less than this share.
+_ALIKE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -66,14 +69,15 @@ class Readings:
 
 @dataclass(frozen=True)
 class Blamed:
-    """A chapter at its best: what its constants change by (k,) with their sd (k,), what is predicted then (n,), and the
-    logarithm of its marginal likelihood."""
+    """A chapter at its best: what its constants change by (k,) with their sd (k,), what is predicted then (n,), the
+    logarithm of its marginal likelihood, and ``runs`` of the whole chain: changes (k,) and what is shown there (n,)."""
 
     chapter: Chapter
     change: Array
     sd: Array
     predicted: Array
     evidence: float
+    runs: tuple[tuple[Array, Array], ...] = ()
 
     @property
     def off(self) -> float:
@@ -91,6 +95,8 @@ class Trace:
     blamed: Mapping[str, Blamed]
     stated: Array
     suspects: tuple[str, ...]
+    readings: Readings
+    something: float
 
     @property
     def verdict(self) -> str:
@@ -111,20 +117,60 @@ def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Tra
     >>> found.verdict, found.suspects, round(float(found.blamed["slope"].change[0]), 2)
     ('chapter', ('slope',), 0.5)
     """
+    sd = _inexact(readings, stated)
+    blamed = {one.name: _blamed(one, readings, stated, sd) for one in chapters}
+    return _weighed(readings, stated, blamed, _something((readings.measured - stated) / sd, readings))
+
+
+def run_anew(found: Trace, name: str, shown: Array, last: bool) -> tuple[Trace, bool]:
+    """Return what is found where the chain, run anew with a chapter at its best, shows (n,), and whether the chapter
+    is settled there: whether what it would show at a better place is near that. There it stays where it is, or where
+    this run is the ``last``.
+
+    Its derivatives are those of the chain where all is as stated: the prediction is off by a square in the constants,
+    the least one that agrees with all runs.
+    """
+    blamed, readings = found.blamed[name], found.readings
+    chapter, runs = blamed.chapter, (*blamed.runs, (blamed.change, shown))
+    inverse = np.linalg.pinv(Source("", chapter.covariance).root)
+    places = np.stack([inverse @ change for change, _ in runs])
+    off = np.stack([there - chapter.predict(change) for change, there in runs])
+    square = np.linalg.pinv((places @ places.T) ** 2, _ALIKE) @ off
+
+    def nearer(change: Array) -> Array:
+        return chapter.predict(change) + (places @ (inverse @ change)) ** 2 @ square
+
+    sd = _inexact(readings, found.stated)
+    again = _blamed(replace(chapter, predict=nearer), readings, found.stated, sd)
+    again = replace(again, chapter=chapter, runs=runs)
+    settled = float(np.sqrt(np.mean(((again.predicted - shown) / readings.sd) ** 2))) < _NEAR
+    if settled or last:
+        again = replace(again, change=blamed.change, predicted=shown)
+    return _weighed(readings, found.stated, {**found.blamed, name: again}, found.something), settled
+
+
+def _inexact(readings: Readings, stated: Array) -> Array:
+    """Return the noise (n,) beside a right chapter, whose model is itself inexact: by as much as the loop lets pass as
+    explained."""
     left = (readings.measured - stated) / readings.sd
     beyond = max(float(np.mean(left**2)) - 1.0, 0.0)
-    # A right chapter's model is itself inexact: by as much as the loop lets pass as explained.
-    sd = readings.sd * np.sqrt(1.0 + SHARE * beyond)
-    blamed = {one.name: _blamed(one, readings, stated, sd) for one in chapters}
+    return np.asarray(readings.sd * np.sqrt(1.0 + SHARE * beyond))
+
+
+def _weighed(readings: Readings, stated: Array, blamed: Mapping[str, Blamed], something: float) -> Trace:
+    sd = _inexact(readings, stated)
     left = (readings.measured - stated) / sd
-    evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: _something(left, readings)}
+    evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: something}
     evidence |= {name: one.evidence for name, one in blamed.items()}
     # Beforehand it is as likely as not that nothing is off; all that may be are alike.
-    prior = {name: 0.5 if name == STATED else 0.5 / (len(chapters) + 1) for name in evidence}
+    prior = {name: 0.5 if name == STATED else 0.5 / (len(blamed) + 1) for name in evidence}
     weights = np.array([evidence[name] + np.log(prior[name]) for name in evidence])
     shares = np.exp(weights - logsumexp(weights))
     probability = dict(zip(evidence, map(float, shares), strict=True))
-    return Trace(probability, blamed, stated, _suspects(probability))
+    fits = {name: float(np.sum(((readings.measured - one.predicted) / sd) ** 2)) for name, one in blamed.items()}
+    likely = {name: readings.likely(misfit, 0.0) for name, misfit in fits.items()}
+    suspects = _with_alike(_suspects(probability), probability, likely)
+    return Trace(probability, blamed, stated, suspects, readings, something)
 
 
 def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
@@ -136,6 +182,26 @@ def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
         if sum(probability[one] for one in found) >= ODDS / (1.0 + ODDS):
             return tuple(found)
     return ()
+
+
+def _with_alike(
+    found: tuple[str, ...], probability: Mapping[str, float], likely: Mapping[str, float]
+) -> tuple[str, ...]:
+    """Return the suspects and chapters that explain the readings about as well as the likeliest, by what is ``likely``
+    (a logarithm) with each at its best.
+
+    Of these only what was taken to be known of their constants tells which it is, and that has to be clear.
+
+    >>> _with_alike(("foam",), {"foam": 0.9, "sheet": 0.1}, {"foam": -20.0, "sheet": -20.5})
+    ('foam', 'sheet')
+    >>> _with_alike(("foam",), {"foam": 0.9, "sheet": 0.1}, {"foam": -20.0, "sheet": -22.5})
+    ('foam',)
+    """
+    if not found or found[0] not in likely:
+        return found
+    best, least = found[0], probability[found[0]] * float(np.exp(-0.5 * MARGIN))
+    alike = [one for one in likely if likely[one] > likely[best] - np.log(ODDS) and probability[one] > least]
+    return tuple(dict.fromkeys([*found, *sorted(alike, key=lambda one: -probability[one])]))
 
 
 def _blamed(chapter: Chapter, readings: Readings, stated: Array, sd: Array) -> Blamed:

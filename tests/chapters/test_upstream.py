@@ -27,13 +27,16 @@ from loop.blind_chain import (
 )
 from loop.generators import drape as nets
 
+from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.unsure import unsure_fabric, unsure_mold
-from hyperfab.chapters.close_loop.upstream import instead_of, moved
+from hyperfab.chapters.close_loop.upstream import Link, follow, instead_of, moved
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import AddedEffect, LoopDocument, MovedConstant
 from hyperfab.documents.material import MaterialDocument
+from hyperfab.errors import NotConverged
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
+from hyperfab.loop.upstream import ELSE, Readings
 from hyperfab.samples import cup
 
 NOISE = 0.02
@@ -389,6 +392,59 @@ def test_a_mold_of_another_size_is_put_right(hf: Run, tmp_path: Path) -> None:
         assert hf(*words, "-o", "again.json", cwd=tmp_path).returncode == 0
         again = read_vtu((tmp_path / "again.vtu").read_bytes(), "again").points
         assert np.sqrt(np.mean((again - true) ** 2)) < 0.3 * np.sqrt(np.mean((given - true) ** 2))
+
+
+class Straight:
+    """A chain of two chapters that do the same by their derivatives; run anew ``bends`` one of them does not, and
+    another has no answer."""
+
+    def __init__(self, bends: str = "", silent: str = "") -> None:
+        self.bends, self.silent, self.left_out = bends, silent, list[str]()
+
+    def links(self, readings: Any) -> tuple[Array, list[Link]]:
+        def link(name: str, share: float) -> Link:
+            return Link(name, np.eye(1), lambda change: share * change[0] * PLACES, "", ())
+
+        return 0.0 * PLACES, [link("mold", 1.0), link("mounting", 0.8)]
+
+    def corrected(self, link: Link, change: Array) -> Any:
+        if link.name == self.silent:
+            raise NotConverged("no rest")
+        return link.name
+
+    def shown(self, link: Link, change: Array, corrected: Any, readings: Any) -> Array:
+        return link.predict(change) + (change[0] ** 2 * (PLACES - 3.0) ** 2 if link.name == self.bends else 0.0)
+
+
+#: Where a straight chain is read, its readings, and their noise.
+PLACES = np.linspace(1.0, 5.0, 60)
+READ = Readings(
+    4.0 * PLACES + np.random.default_rng(3).standard_normal(60), np.ones(60), PLACES[:, None], np.zeros(60), 100.0
+)
+
+
+def test_a_chapter_that_explains_as_much_is_told_beside() -> None:
+    found = follow(Straight(), (), READ)[0]
+    assert (found.verdict, found.trace.suspects) == ("ambiguous", ("mold", "mounting"))
+    # By what was known beforehand alone the mold is the likelier by more than three to one.
+    assert found.trace.probability["mold"] > 0.5
+
+
+def test_the_chapter_is_the_one_with_which_the_whole_chain_says_what_was_read() -> None:
+    """By its derivatives the mold is the likelier."""
+    found = follow(Straight(bends="mold"), (), READ)[0]
+    assert (found.verdict, found.trace.suspects) == ("chapter", ("mounting",))
+    assert found.link is not None
+    assert (found.link.name, found.corrected) == ("mounting", "mounting")
+
+
+def test_a_chapter_without_an_answer_is_not_named() -> None:
+    """The likeliest: something else it is; another that is no less likely stays beside."""
+    chain = Straight(silent="mold")
+    assert follow(chain, (), READ)[0].verdict == ELSE
+    assert chain.left_out == ["mold: the chain with it put right has no answer: no rest"]
+    found = follow(Straight(silent="mounting"), (), READ)[0]
+    assert (found.verdict, found.trace.suspects) == ("ambiguous", ("mold", "mounting"))
 
 
 def test_an_effect_that_a_document_behind_the_model_may_stand_for_is_not_sure() -> None:

@@ -63,6 +63,16 @@ def test_an_effect_beside_a_constant_at_the_end_of_what_is_known_is_not_sure(mon
     assert found.after.problem.strained(fit.x[: fit.own]) == ["depth"]
 
 
+def test_a_depth_that_is_off_by_more_than_is_known_is_not_a_size_of_the_mold_for_sure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    blind_drape.model()  # of the document, whose mold is as it was drawn
+    monkeypatch.setattr(nets, "DEPTH", nets.DEPTH + 0.5)
+    found = seen((1.0, 1.0), 0.1, 0)
+    assert found.verdict != "effect"
+    assert found.indistinguishable == [["mold-size", "depth"]]
+
+
 @pytest.mark.parametrize("larger", [0.05, -0.04])
 def test_a_mold_of_another_size_is_found(monkeypatch: pytest.MonkeyPatch, larger: float) -> None:
     blind_drape.model()  # of the document, whose mold is as it was drawn

@@ -26,6 +26,8 @@ _ANOTHER_UNIT, _LITTLE, _NEAREST = 8.0, 0.1, 0.1
 PLACES = ("x0_mm", "y0_mm", "x_mm", "y_mm", "z_mm")
 #: Times as far, or as little, as the others that a probe moves beside the model before it is at fault: degF makes 1.8.
 _OTHER_PROBE = 1.5
+#: What shows that a constant of the model is far from what its document says.
+_OWN = "gauge it by itself: it would be further off than what is known of it"
 #: An entry is told beside what was found from this probability on.
 _MIGHT = 0.1
 
@@ -67,7 +69,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     lines += another_frame(problem, found)
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
-        told = "; ".join(f"{name}: {by[name]}" for name in document.indistinguishable[0])
+        told = "; ".join(f"{name}: {by.get(name, _OWN)}" for name in document.indistinguishable[0])
         lines.append(f"What shows each of them: {told}.")
     if document.next_measurement is not None:
         sure = "" if document.next_measurement.decisive else " (it may not settle the matter at this noise)"

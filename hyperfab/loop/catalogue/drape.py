@@ -122,4 +122,5 @@ def mold_size(context: DataContext) -> Effect:
             for name, key, places in (ways if most else ())
         ),
         not_sought="" if most else "the sheet finds no rest on a mold of another size",
+        of_document=True,
     )
