@@ -315,7 +315,7 @@ def _say(told: Upstream) -> list[str]:
         checks = {one.chapter: one.shown_by for one in told.chapters}
         ways = "; ".join(f"{name}: {checks[name]}" for name in told.indistinguishable if name in checks)
         lines = [f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."]
-        begins = f"if {likely.chapter} is off ({_percent(likely.probability)})"
+        begins = f"if {likely.chapter} is off"
     text = (
         f"Upstream: {begins}, {how}; the chain, run anew, then misses by {error.after.rms:.3g} {error.unit} instead of "
         f"{error.before.rms:.3g} {error.unit}."
