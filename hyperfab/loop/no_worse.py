@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.loop.fitting import Descent, Fit, descent
 from hyperfab.loop.judge import Candidate
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MOST
+from hyperfab.loop.thresholds import MOST, TOLD
 
 #: Where more was read than stresses, sums of squares that differ by less are the same, but for how far a fit was led.
 _ALIKE = 1.0 + 1e-6
@@ -53,9 +53,16 @@ def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart
 
 def nearest_apart(search: Search, best: Candidate, apart: Apart | None) -> Candidate:
     """Return the model, or the one of its names that comes clearly nearer to readings set apart: a law that goes
-    through all that was read and misses what lies between is none."""
+    through all that was read and misses what lies between is none. Where it does, all formulas are tried."""
     if apart is None or not best.ids:
         return best
+    first = search.problem.channel == 0
+    left = (search.problem.measured - best.fit.predicted)[first]
+    for name in best.ids if apart(best.fit) > TOLD * float(np.sqrt(np.mean(left**2))) else ():
+        parent, effect = search.without(best, name).fit, search.problem.effect(name)
+        for form in effect.forms:
+            if not form.free and (one := search.joint(parent, effect, form)) is not None:
+                search.state(one)
     same = [state for state in search.states if {*state.ids} == {*best.ids} and np.isfinite(state.fit.chi2)]
     nearest = min(same, key=lambda state: apart(state.fit), default=best)
     return nearest if apart(nearest.fit) < MOST * apart(best.fit) else best

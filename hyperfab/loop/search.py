@@ -110,7 +110,7 @@ class Search:
             ),
             key=lambda form: -rank[form.name],
         )
-        fits = [found for form in basic[:_FORMS] if (found := self._joint(state.fit, effect, form)) is not None]
+        fits = [found for form in basic[:_FORMS] if (found := self.joint(state.fit, effect, form)) is not None]
         if not fits:
             return None
         found = self.lowest(fits)
@@ -134,7 +134,7 @@ class Search:
                 if form.enriches(name)
                 and not form.free
                 and len(form.constants) <= most
-                and (found := self._joint(parent, effect, form, best)) is not None
+                and (found := self.joint(parent, effect, form, best)) is not None
             ]
             better = self.lowest([best, *richer])
             if better is best:
@@ -262,7 +262,8 @@ class Search:
         level = Level.of(fits, self.problem, self.noise)
         return min(fits, key=lambda one: level.misfit(one) + level.price(one) + len(one.x) * MARGIN / 4.0)
 
-    def _joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
+    def joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
+        """Return the best fit of a model with a term more; None where it has none."""
         forms = {**parent.forms, effect.id: form}
         key = tuple(sorted((name, one.name) for name, one in forms.items()))
         if key in self._fits:
