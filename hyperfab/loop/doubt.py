@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import chdtrc
 
 from hyperfab.loop.fitting import fitted_misfit, stepped_misfits
 from hyperfab.loop.judge import Candidate
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
+from hyperfab.loop.thresholds import ALPHA, MARGIN, ODDS, ONE_CLOTH, SMALL, TOLD
 
 #: Scatters of specimens that are tried.
 _SCATTERS = tuple(float(one) for one in 0.002 * 2.0 ** (np.arange(0, 17) / 2.0))
@@ -175,7 +176,12 @@ def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str
     if assumed <= noise.gain_sd:
         # So much was noise to the judgement above, which looks at the stiffness of each specimen too.
         return "unexplained", 0.0
-    left = float(np.sum(fitted_misfit(search.problem, noise.among(before.fit.predicted, assumed), before.fit)))
+    scattered = noise.among(before.fit.predicted, assumed)
+    off = scattered.stiffness(scattered.whiten(search.problem.measured - before.fit.predicted), SMALL)
+    if float(chdtrc(len(off), off @ off)) < ALPHA:
+        # They are few beside their readings, among which they would hide.
+        return "unexplained", 0.0
+    left = float(np.sum(fitted_misfit(search.problem, scattered, before.fit)))
     rows = len(before.fit.residual) - len(before.fit.x)
     small = np.sqrt(max(left / max(rows, 1) - 1.0, 0.0)) <= SMALL
     return ("noise", assumed) if small else ("unexplained", 0.0)

@@ -21,15 +21,8 @@ from hyperfab.materials.identification.fit import fit_law
 from hyperfab.materials.identification.hyperfoam import nearest_foam
 from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law, scaled
-from hyperfab.materials.orthotropic import LINEAR, Orthotropic
-from hyperfab.materials.orthotropic.specimen import Along
+from hyperfab.materials.orthotropic.linear import GROUND, THREADS, shares_of_threads, sheet_times
 from hyperfab.materials.registry import bind, law_of
-
-#: The constants of a whole sheet's ground, which are one, and the others it is linear in, with the angle [deg] of the
-#: strip that shows each most (of an inclined pair its own); the stretch at which it does.
-GROUND, _OF_GROUND = "ground", LINEAR[:4]
-_BESIDE = dict(zip(LINEAR[4:], (0.0, 90.0, 45.0, 45.0), strict=True))
-_PULLED = 1.1
 
 
 def linear_of(material: MaterialDocument) -> tuple[tuple[str, ...], tuple[bool, ...]]:
@@ -38,7 +31,7 @@ def linear_of(material: MaterialDocument) -> tuple[tuple[str, ...], tuple[bool, 
     A fabric of two directions has one stiffness along each, one law of the whole sheet its ground's and its threads'.
     """
     if material.model == ORTHOTROPIC:
-        names = (GROUND, *(name for name in _BESIDE if material.parameters.get(name, 0.0) > 0.0))
+        names = (GROUND, *(name for name in THREADS if material.parameters.get(name, 0.0) > 0.0))
         return names, (True,) * len(names)
     if set(material.directions or {}) >= {"warp", "weft"}:
         return ("warp", "weft"), (True, True)
@@ -47,34 +40,8 @@ def linear_of(material: MaterialDocument) -> tuple[tuple[str, ...], tuple[bool, 
 
 
 def widths(model: str, parameters: Mapping[str, float], names: Sequence[str]) -> Array:
-    """Return by how much of itself each constant (n,) changes where what a strip along it bears changes by one share.
-
-    It is 1 but of threads in a ground, which bear a part of that: slopes of the stress at a stretch of 1.1.
-
-    >>> found = widths("orthotropic", {"C10_MPa": 0.05, "k1_warp_MPa": 0.02}, ["ground", "k1_warp_MPa"])
-    >>> [bool(one > 3.0) for one in found], float(found[0])
-    ([False, True], 1.0)
-    """
-    found = np.ones(len(names))
-    if model == ORTHOTROPIC:
-        law = Orthotropic.of(parameters)
-        ways = {**_BESIDE, "k1_bias_MPa": law.parameters["bias_deg"]}
-        for index, name in enumerate(names):
-            if name in ways:
-                bare = Orthotropic({**law.parameters, name: 0.0})
-                all_of_it, rest = (float(Along(one, ways[name]).uniaxial([_PULLED]).A[0]) for one in (law, bare))
-                found[index] = all_of_it / (all_of_it - rest)
-    return found
-
-
-def _sheet_times(parameters: Mapping[str, float], factors: Mapping[str, float], turned: bool) -> dict[str, float]:
-    """Return the constants of a whole sheet's law times ``factors``; of one ``turned`` by a quarter, as it is seen
-    along the weft."""
-    law = Orthotropic.of(parameters)
-    plain = (law.turned() if turned else law).parameters
-    ground = factors.get(GROUND, 1.0)
-    changed = {key: value * factors.get(key, ground if key in _OF_GROUND else 1.0) for key, value in plain.items()}
-    return dict((Orthotropic(changed).turned() if turned else Orthotropic(changed)).parameters)
+    """Return by how much of itself each constant (n,) changes where what a strip along it bears changes by a share."""
+    return shares_of_threads(parameters, names) if model == ORTHOTROPIC else np.ones(len(names))
 
 
 def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) -> MaterialDocument:
@@ -87,7 +54,7 @@ def scaled_material(material: MaterialDocument, factors: Mapping[str, float]) ->
 
     def times(parameters: Mapping[str, float], way: str) -> dict[str, float]:
         if material.model == ORTHOTROPIC:
-            return _sheet_times(parameters, factors, way == "weft")
+            return sheet_times(parameters, factors, turned=way == "weft")
         whole = scaled(parameters, factors.get(way, 1.0))
         return {key: value * factors.get(key, 1.0) for key, value in whole.items()}
 
