@@ -21,9 +21,9 @@ from hyperfab.loop.doubt import (
     without_names,
 )
 from hyperfab.loop.fewest import fewest, likeliest
-from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate, Evidence, common_bic
-from hyperfab.loop.no_worse import Apart, held, is_no_worse, nearest_apart, no_worse, of_same_names, pruned
+from hyperfab.loop.no_worse import Apart, held, is_no_worse, misses_more, nearest_apart, no_worse, of_same_names, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
@@ -92,7 +92,7 @@ def close(
     if not np.any(wanders.sd > found.noise.sd):
         return found
     more = under(wanders, again=False)
-    return found if more.verdict == "unexplained" or _misses_more(apart, more.after.fit, found.after.fit) else more
+    return found if more.verdict == "unexplained" or misses_more(apart, more.after.fit, found.after.fit) else more
 
 
 def _closed(
@@ -176,7 +176,7 @@ def _closed(
         scatter = scatter_of_one_cloth(search, kept, best)
         found = under(replace(level, gain_sd=scatter)) if scatter else None
         nearer = found and (found.verdict != "unexplained" or len(found.after.ids) > len(kept.ids))
-        if found and nearer and not _misses_more(apart, found.after.fit, kept.fit):
+        if found and nearer and not misses_more(apart, found.after.fit, kept.fit):
             still = tuple(name for name in doubted if name not in found.after.ids)
             every = tuple(dict.fromkeys((*still, *found.doubted)))
             return replace(found, assumed=found.assumed or scatter, doubted=every)
@@ -325,11 +325,6 @@ def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callabl
         same = [state for state in search.states if {*state.ids} == ids - {weakest}]
         best = min(same, key=lambda state: (not explains(before, state), surprise(state)))
     return best
-
-
-def _misses_more(apart: Apart | None, new: Fit, old: Fit) -> bool:
-    """Whether a model misses readings set apart by more than another."""
-    return apart is not None and apart(new) > apart(old)
 
 
 def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:

@@ -77,7 +77,12 @@ def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -
         told = first & np.isfinite(old) & np.isfinite(new)
         if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
             return False
-    return apart is None or apart(state.fit) <= apart(base.fit)
+    return not misses_more(apart, state.fit, base.fit)
+
+
+def misses_more(apart: Apart | None, new: Fit, old: Fit) -> bool:
+    """Whether a model misses readings set apart by more than another."""
+    return apart is not None and apart(new) > apart(old)
 
 
 def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None) -> Candidate:
@@ -87,7 +92,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
     Where the terms have no say in the stresses, the model's own constants stay as they are.
     """
     beside = state.problem.channel > 0
-    if not beside.any():
+    if not beside.any() or not state.ids or state.says is base:
         return state
     own = state.fit.own
     as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])

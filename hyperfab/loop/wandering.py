@@ -28,11 +28,12 @@ def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Nois
     polynomial along each way up or down it is an autoregression of first order, told by restricted likelihood
     (Patterson & Thompson 1971, doi:10.1093/biomet/58.3.545), in most of the curves.
     """
+    if replicates(problem.curves, channel):
+        return noise
     own = problem.channel == channel
-    correlation = np.broadcast_to(noise.correlation, len(noise.sd))
     curves = [curve for curve in problem.curves if curve.channel == channel]
     each = [one for curve in curves if (one := _likelihood(curve, left, noise.sd)) is not None]
-    if not each or replicates(problem.curves, channel):
+    if not each:
         return noise
     rest, unlikely, free, rows, terms = (np.array(part) for part in zip(*each, strict=True))
     variance = rest.sum(axis=0) / free.sum()
@@ -45,7 +46,7 @@ def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Nois
         return noise
     sd = np.where(own, np.sqrt(variance[best]) * noise.sd, noise.sd)
     source = f"{noise.source}, neighbours alike" if channel == 0 else noise.source
-    return replace(noise, sd=sd, correlation=np.where(own, _TRIED[best], correlation), source=source)
+    return replace(noise, sd=sd, correlation=np.where(own, _TRIED[best], noise.correlation), source=source)
 
 
 def _likelihood(curve: Curve, left: Array, sd: Array) -> tuple[Array, Array, int, int, int] | None:

@@ -118,10 +118,7 @@ class RelaxedSheet:
             energy = tried.energy.reshape(len(lost), -1)
             best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(len(lost))
             a[lost], angle[lost] = taken[best], turned[best]
-            for mine, other in zip(
-                (own.energy, own.stress, own.stiffness), (tried.energy, tried.stress, tried.stiffness), strict=True
-            ):
-                mine[lost] = other[best]
+            _put(own, lost, tried, best)
         u, w, _ = _axes(angle)
         gradient_angle = 0.5 * np.einsum("nj,nj->n", w, own.stress)
         Du, Dw = np.einsum("njk,nk->nj", own.stiffness, u), np.einsum("njk,nk->nj", own.stiffness, w)
@@ -184,12 +181,7 @@ class RelaxedSheet:
                     fine = (tried.energy < energy) | (flat_there & (pressed < remaining[pending]))
                 taken = rows[fine]
                 a[taken], angle[taken] = a_try[fine], angle_try[fine]
-                for mine, found in (
-                    (own.energy, tried.energy),
-                    (own.stress, tried.stress),
-                    (own.stiffness, tried.stiffness),
-                ):
-                    mine[taken] = found[fine]
+                _put(own, taken, tried, fine)
                 pending = pending[~fine]
                 length[pending] *= 0.4
                 if not len(pending):
@@ -230,6 +222,13 @@ def _axes(angle: Array) -> tuple[Array, Array, Array]:
         np.stack([-2.0 * c * s, 2.0 * c * s, 2.0 * (c * c - s * s)], axis=1),
         np.stack([s * s, c * c, -2.0 * c * s], axis=1),
     )
+
+
+def _put(answer: Answer, rows: Ints, other: Answer, chosen: Ints | Flags) -> None:
+    """Put the ``chosen`` of another answer at ``rows`` of one."""
+    answer.energy[rows] = other.energy[chosen]
+    answer.stress[rows] = other.stress[chosen]
+    answer.stiffness[rows] = other.stiffness[chosen]
 
 
 def _dyad(angle: Array) -> Array:
