@@ -73,8 +73,8 @@ def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tu
     """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
     curves, rows, extra = [], [], []
     at = len(stress)
-    setups = setups_of(path, tests)
-    for test, place, setup in zip(tests, path.curves, setups, strict=True):
+    setups, sizes = setups_of(path, tests), _sizes_of(tests)
+    for test, place, setup, size in zip(tests, path.curves, setups, sizes, strict=True):
         up = path.up[place]
         corners = (np.diff(up) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
         cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
@@ -83,7 +83,9 @@ def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tu
         specimen = test.specimen or test.source
         lam = path.moved(place)
         abscissa = time if rising else lam
-        curves.append(Curve(test.source, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam))
+        curves.append(
+            Curve(test.source, place.start, place.stop, abscissa, cuts, setup, specimen, place=lam, size=size)
+        )
         if test.contraction is not None and np.all(np.isfinite(test.contraction)):
             count = place.stop - place.start
             rows.append(np.arange(place.start, place.stop))
@@ -127,7 +129,7 @@ def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> 
     for test, rows in zip(tests, path.curves, strict=True):
         how, pace = _how(test, path.moved(rows))
         how, way = " ".join([how, *(f"{test.others.get(name)}" for name in shared)]), _way(path, rows)
-        size = np.array([test.thickness_mm, test.width_mm, test.gauge_length_mm], dtype=np.float64)
+        size = _size(test)
         same = (
             name
             for other_how, other_pace, other_size, other_way, name in found
@@ -138,6 +140,23 @@ def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> 
         )
         found.append((how, pace, size, way, next(same, f"{how} {len(found)}")))
     return [name for *_, name in found]
+
+
+def _size(test: TestCurve) -> Array:
+    """Return thickness, width and gauge length of a test's specimen [mm], nan where they are not stated."""
+    return np.array([test.thickness_mm, test.width_mm, test.gauge_length_mm], dtype=np.float64)
+
+
+def _sizes_of(tests: Sequence[TestCurve]) -> list[str]:
+    """Return what each test shares with those of specimens of its size, as far as that is stated."""
+    found: list[Array] = []
+    names = []
+    for test in tests:
+        size = _size(test)
+        same = (k for k, one in enumerate(found) if np.allclose(size, one, rtol=_ONE_SIZE - 1.0, equal_nan=True))
+        names.append(str(next(same, len(found))))
+        found += [size] if names[-1] == str(len(found)) else []
+    return names
 
 
 def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:

@@ -142,8 +142,8 @@ class Curve:
     """Rows ``start`` to ``stop`` of the data: one test of one specimen, or one probe.
 
     ``cuts`` are rows where the curve has a corner (a turn from loading to unloading); ``abscissa`` is what it is smooth
-    in, ``place`` what replicates are compared at. Curves of the same ``setup`` are replicates; those of
-    the same ``specimen`` share its stiffness. Rows known ``beforehand`` are no readings but what is known of constants.
+    in, ``place`` what replicates are compared at. Curves of the same ``setup`` are replicates, those of the same
+    ``size`` were cut alike; those of the same ``specimen`` share its stiffness. Rows known ``beforehand`` are no readings but what is known of constants.
     """
 
     name: str
@@ -156,6 +156,7 @@ class Curve:
     channel: int = 0
     place: Array | None = None
     beforehand: bool = False
+    size: str = ""
 
     @property
     def rows(self) -> slice:
