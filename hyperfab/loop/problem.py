@@ -143,7 +143,8 @@ class Curve:
 
     ``cuts`` are rows where the curve has a corner (a turn from loading to unloading); ``abscissa`` is what it is smooth
     in, ``place`` what replicates are compared at. Curves of the same ``setup`` are replicates, those of the same
-    ``size`` were cut alike; those of the same ``specimen`` share its stiffness. Rows known ``beforehand`` are no readings but what is known of constants.
+    ``size`` were cut alike; those of the same ``specimen`` share its stiffness. Rows known
+    ``beforehand`` are no readings but what is known of constants.
     """
 
     name: str
