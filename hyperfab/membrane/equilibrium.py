@@ -348,7 +348,8 @@ class Press:
         """Whether the sheet carries nothing and the punch is nowhere inside it."""
         volume = self.sheet.thickness * float(self.sheet.mesh.weights.sum())
         carried = system.sheet.energy / (self.sheet.modulus * volume)
-        return carried < _SLACK_ENERGY and float(system.near.gap.min()) > -_GAP_TOLERANCE
+        # A law that is not stable has less energy than none where it is stretched far.
+        return abs(carried) < _SLACK_ENERGY and float(system.near.gap.min()) > -_GAP_TOLERANCE
 
     def _part_that_descends(
         self, depth: float, places: Array, touching: Flags, system: _Linearised, step: Array

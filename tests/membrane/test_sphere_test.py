@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from builders import uniform
@@ -224,6 +226,17 @@ def test_softening_law_turns_back_and_is_unstable_before():
     assert unstable.depth == pytest.approx(57.46, abs=0.02)
     np.testing.assert_allclose(unstable.stretches, 1.418, atol=2e-3)
     assert np.hypot(*unstable.at) < 3.0
+
+
+@pytest.mark.parametrize(("energy", "slack"), [(-66.0, False), (0.0, True), (66.0, False)])
+def test_a_sheet_with_less_energy_than_at_rest_is_not_slack(energy, slack):
+    """A law that is not stable gives energy back where it is drawn out far: that sheet was found without a force."""
+    disc = outline.Disc(100.0, quarter=True)
+    press = Press(
+        Sheet(sheet_mesh(disc, triangulate(disc, uniform(20.0)), 2), IsotropicSheet(SOFTENING), 1.0), Sphere(40.0)
+    )
+    found = SimpleNamespace(sheet=SimpleNamespace(energy=energy), near=SimpleNamespace(gap=np.array([0.0013])))
+    assert press._is_slack(found) is slack
 
 
 @pytest.mark.parametrize(("depth", "slope"), [(40.0, 1.03816), (110.0, 0.39700)])
