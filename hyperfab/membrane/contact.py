@@ -93,6 +93,13 @@ class _Sliding:
             blocks=spring[:, None, None] * outer - pressure[:, None, None] * near.turning,
         )
 
+    def cost(self, nodes: Ints, places: Array, normal: Array, pressed: Array, stray: float) -> float:
+        """Return the energy [N mm] that slip costs, of pressing forces ``pressed`` (k,) [N] that are held.
+
+        ``stray`` [N]: what a node counts per mm that should stay in its place.
+        """
+        return 0.0
+
 
 @dataclass(frozen=True)
 class Memory:
@@ -233,6 +240,9 @@ class _Sticking:
             blocks=spring[:, None, None] * np.eye(3),
         )
 
+    def cost(self, nodes: Ints, places: Array, normal: Array, pressed: Array, stray: float) -> float:
+        return stray * float(_along(places - self.anchors[nodes], normal).sum())
+
 
 class _Rubbing:
     def __init__(self, coefficient: float, memory: Memory, anchors: Array, creep: float) -> None:
@@ -292,6 +302,10 @@ class _Rubbing:
             mix=mix,
         )
 
+    def cost(self, nodes: Ints, places: Array, normal: Array, pressed: Array, stray: float) -> float:
+        slip = _along(places - self.origins[nodes], normal)
+        return self.coefficient * float((pressed * np.hypot(slip, self.creep)).sum())
+
     def _decide(self, nodes: Ints, pressure: Array, drag: Array, slip: Array) -> None:
         """Let nodes go that would need more friction than there is, and hold those that slip backwards."""
         stuck = self.sticking[nodes]
@@ -311,6 +325,24 @@ class _Rubbing:
         self.settled = not changed.any()
 
 
+def _along(away: Array, normal: Array) -> Array:
+    """Return how long (k,) the part of ``away`` (k, 3) along the surface is."""
+    return np.asarray(np.linalg.norm(away - (away * normal).sum(axis=1)[:, None] * normal, axis=1))
+
+
 #: How the punch holds touching nodes, and a law of friction.
 Grip = _Sliding | _Sticking | _Rubbing
 Tangential = Frictionless | Stick | Coulomb
+
+
+def counted(grip: Grip, nodes: Ints, force: Array, normal: Array, places: Array, near: Nearness) -> float:
+    """Return what an iteration that must lower the energy counts beside the sheet's own [N mm]: leaving the punch and,
+    by the pressing forces as they were, slip. Friction has no energy; with these held it has.
+
+    ``force`` (k, 3) [N] and ``normal`` (k, 3) are those of the touching ``nodes`` (k,) before a step, ``places`` (n, 3)
+    and ``near`` of all nodes after it, relative to the punch.
+    """
+    stray = 2.0 * float(np.linalg.norm(force, axis=1).max(initial=0.0))
+    pressed = np.maximum((force * normal).sum(axis=1), 0.0)
+    slip = grip.cost(nodes, places[nodes], near.normal[nodes], pressed, stray)
+    return stray * float(np.abs(near.gap[nodes]).sum()) + slip

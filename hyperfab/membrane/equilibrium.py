@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from hyperfab.membrane.contact import (
     Memory,
     Tangential,
     Terms,
+    counted,
     landings,
     mounted,
     remembered,
@@ -146,6 +148,8 @@ class Press:
         energy; slower, and surer where much of the sheet is slack. Raises NoEquilibriumError.
         """
         memory = memory or mounted(self.sheet.flat, self.punch)
+        if careful and isinstance(self.tangential, Coulomb):
+            return self._creeping(self.tangential, depth, places, touching, memory, careful=True)
         try:
             return self._settled(depth, places, touching, memory, cold, careful)
         except NoEquilibriumError as error:
@@ -158,8 +162,7 @@ class Press:
 
     def nearby(self, depth: float, places: Array, touching: Flags, left: float, memory: Memory | None = None) -> State:
         """Return the equilibrium from a start made of one with ``left`` as residual, careful where parts of it hang."""
-        may_hang = self.sheet.prestretch < 1.0 and not self.tangential.remembers
-        if not (may_hang and left > _HANGS):
+        if not ((may_hang := self.sheet.prestretch < 1.0) and left > _HANGS):
             try:
                 return self.equilibrium(depth, places, touching, memory)
             except NoEquilibriumError:
@@ -167,7 +170,9 @@ class Press:
                     raise
         return self.equilibrium(depth, places, touching, memory, cold=True, careful=True)
 
-    def _creeping(self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory) -> State:
+    def _creeping(
+        self, friction: Coulomb, depth: float, places: Array, touching: Flags, memory: Memory, careful: bool = False
+    ) -> State:
         """Return the equilibrium with friction that grows over ever shorter slips, each from the one before.
 
         Nodes that stick slip by about the last of them, 1e-8 of the way from the axis to the rim.
@@ -177,14 +182,14 @@ class Press:
         def rubbing(creep: float) -> Press:
             return replace(self, tangential=replace(friction, creep=creep))
 
-        state = rubbing(creep)._settled(depth, places, touching, memory)
+        state = rubbing(creep)._settled(depth, places, touching, memory, careful, careful)
         while creep > _LAST_CREEP * self.sheet.reach:
             # What sticks is to rub as much after the shorter slip.
             away = np.where(state.memory.sticking[:, None], state.memory.places - memory.origins, 0.0)
             away -= (away * state.memory.normal).sum(axis=1)[:, None] * state.memory.normal
             start = state.places - (1.0 - part) * away
             try:
-                state = rubbing(part * creep)._settled(depth, start, state.touching, memory)
+                state = rubbing(part * creep)._settled(depth, start, state.touching, memory, careful, careful)
             except NoEquilibriumError:
                 if part > _LEAST_CHANGE:
                     raise
@@ -231,7 +236,7 @@ class Press:
                 nothing = np.zeros_like(touching)
                 return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
-            step, chosen, part = self._step(depth, places, touching, system, careful)
+            step, chosen, part = self._step(depth, places, touching, system, grip if careful else None)
             gain = -float((system.unbalanced * step).sum()) / part
             hold = max(hold * _LESS_SUPPORT, _LEAST_CAREFUL) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
             if self.tangential.holds:
@@ -316,13 +321,12 @@ class Press:
         return pattern.solver.factorise(pattern.matrix(blocks), symmetric=self.tangential.symmetric)
 
     def _solve(self, factor: Factor, right: Array) -> Array:
-        pattern = self.sheet.pattern
-        return pattern.extend(factor.solve(pattern.restrict(right)))
+        return self.sheet.pattern.extend(factor.solve(self.sheet.pattern.restrict(right)))
 
     def _step(
-        self, depth: float, places: Array, touching: Flags, system: _Linearised, careful: bool
+        self, depth: float, places: Array, touching: Flags, system: _Linearised, careful: Grip | None
     ) -> tuple[Array, Flags, float]:
-        """Return a Newton step (n, 3), the nodes that touch after it, and the part of the step that it is."""
+        """Return a Newton step (n, 3), the nodes that touch after it, and the part of it taken where ``careful``."""
         right = -system.unbalanced
         if system.terms.mix is not None:
             right[system.nodes] = np.einsum("kij,kj->ki", system.terms.mix, right[system.nodes])
@@ -336,7 +340,7 @@ class Press:
         change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
         pressed = (system.terms.force * normal).sum(axis=1) + change
         step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
-        part = self._part_that_descends(depth, places, touching, system, step) if careful else 1.0
+        part = self._part_that_descends(depth, places, system, step, careful) if careful else 1.0
         step *= part
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
@@ -351,18 +355,15 @@ class Press:
         # A law that is not stable has less energy than none where it is stretched far.
         return abs(carried) < _SLACK_ENERGY and float(system.near.gap.min()) > -_GAP_TOLERANCE
 
-    def _part_that_descends(
-        self, depth: float, places: Array, touching: Flags, system: _Linearised, step: Array
-    ) -> float:
-        """Return the part of a step (1, 1/2, 1/4, ...) that lowers energy plus the cost of leaving the punch."""
-        cost = 2.0 * float(np.linalg.norm(system.terms.force, axis=1).max(initial=0.0))
-        now = system.sheet.energy + cost * float(np.abs(system.near.gap[system.nodes]).sum())
-        part = 1.0
+    def _part_that_descends(self, depth: float, places: Array, system: _Linearised, step: Array, grip: Grip) -> float:
+        """Return the part of a step (1, 1/2, 1/4, ...) that lowers the energy and what contact counts beside it."""
+        up, force, normal = np.array([0.0, 0.0, depth]), system.terms.force, system.near.normal[system.nodes]
+        beside = partial(counted, grip, system.nodes, force, normal)
+        now, part = system.sheet.energy + beside(places - up, system.near), 1.0
         while part > _SMALLEST_PART:
             moved = places + part * step
-            gap = self.punch.near(moved, depth).gap
             energy = self.sheet.energy(moved) / self.sheet.mesh.copies
-            if energy + cost * float(np.abs(gap[touching]).sum()) < now:
+            if energy + beside(moved - up, self.punch.near(moved, depth)) < now:
                 break
             part *= 0.5
         return part

@@ -131,9 +131,11 @@ def cold_start(press: Press, depth: float) -> State:
         state = free.equilibrium(depth, places, touching, cold=True, careful=press.sheet.prestretch < 1.0)
     except NoEquilibriumError:
         state = free.equilibrium(depth, places, touching, cold=True, careful=True)
-    # A sheet that hangs slack over the punch does not rub.
     if not press.tangential.remembers or state.force == 0.0:
         return state
+    if press.sheet.prestretch < 1.0:
+        # What hangs slack over the punch does not rub: it does from where it lies when it first bears.
+        return replace(state, memory=replace(state.memory, sticking=state.touching))
     return press.equilibrium(depth, state.places, state.touching)
 
 
@@ -198,7 +200,8 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
 
     Raises NoEquilibriumError, also where the equilibrium is unstable or the sheet there no longer elliptic.
     """
-    if below is None or below.state.force == 0.0:
+    first = below is None or below.state.force == 0.0
+    if below is None or first:
         state = cold_start(press, depth)
     else:
         last = below.state
@@ -217,8 +220,10 @@ def next_footing(press: Press, below: Footing | None, depth: float) -> Footing:
     weak = weakest(press.sheet, state.places)
     if weak.lost:
         raise LostEllipticityError(weak)
-    drift = tangent.per_depth - np.array([0.0, 0.0, 1.0])
-    state = replace(state, memory=replace(state.memory, drift=drift))
+    # Where a sheet that hung first bears, what is next to slack goes anywhere: nodes then land straight down.
+    if not (first and press.sheet.prestretch < 1.0):
+        drift = tangent.per_depth - np.array([0.0, 0.0, 1.0])
+        state = replace(state, memory=replace(state.memory, drift=drift))
     return Footing(state, float(np.sqrt((tangent.per_depth**2).mean())))
 
 

@@ -1,8 +1,9 @@
-"""A sphere on a round neo-Hookean membrane by shooting: a second way to the numbers, with a clamp that gives.
+"""A sphere on a round neo-Hookean membrane by shooting: a second way to the numbers, with a clamp that gives, mounted
+slack, with friction.
 
 On the sphere the meridian is known and the tension follows from the balance along it; beyond the edge of contact the
 balance along r and z is integrated to the rim. The stretch at the pole and the edge of contact are sought so that the
-rim lies where it is held. Frictionless, flat, unstretched; MPa, mm, N.
+rim lies where it is held. The sheet carries no compression, and slips towards the rim all over the sphere; MPa, mm, N.
 """
 
 from __future__ import annotations
@@ -22,28 +23,37 @@ def pressed_disc(
     rim: float = 100.0,
     thickness: float = 1.0,
     rim_slip: float = 0.0,
+    prestretch: float = 1.0,
+    friction: float = 0.0,
     guess: tuple[float, float] = (1.2, 25.0),
 ) -> tuple[float, float, float]:
     """Return the force [N], the radius [mm] to which the rim has crept, and the energy [N mm] of sheet and clamp."""
     scale = 2.0 * c10 * thickness
 
+    def width(one: float, two: float) -> float:
+        return max(two, one**-0.5)
+
     def along(one: float, two: float) -> float:
+        two = width(one, two)
         return scale * (one - one**-3 * two**-2)
 
     def across(one: float, two: float) -> float:
+        two = width(one, two)
         return scale * (two - two**-3 * one**-2)
 
     def stretch(force: float, two: float) -> float:
         return brentq(lambda one: along(one, two) - force, 0.2, 20.0, xtol=1e-14, rtol=1e-14)
 
     def energy(one: float, two: float) -> float:
+        two = width(one, two)
         return 0.5 * scale * (one**2 + two**2 + (one * two) ** -2 - 3.0)
 
     def on_sphere(place: float, state: np.ndarray) -> list[float]:
         angle, force, _ = state
         two = radius * np.sin(angle) / place
         one = stretch(force / place, two)
-        return [one / radius, across(one, two) * np.cos(angle), energy(one, two) * place]
+        pressed = force * one / radius + across(one, two) * np.sin(angle)
+        return [one / radius, across(one, two) * np.cos(angle) + friction * pressed, energy(one, two) * place]
 
     def free(place: float, state: np.ndarray, push: float) -> list[float]:
         r, _, flat, _ = state
@@ -65,7 +75,7 @@ def pressed_disc(
 
     def misfit(unknown: np.ndarray) -> list[float]:
         r, z, pull, _, _ = shot(unknown)
-        return [r - (rim - rim_slip * pull), z + depth]
+        return [r - (prestretch * rim - rim_slip * pull), z + depth]
 
     found, _, worked, words = fsolve(misfit, guess, xtol=1e-12, full_output=True)
     assert worked == 1, words

@@ -17,15 +17,16 @@ from hyperfab.membrane.path import cold_start, follow
 from hyperfab.membrane.sphere_contact import Outcome, Solved, SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
 from hyperfab.membrane.verdict import work
+from tests.membrane.axisymmetric import pressed_disc
 from tests.membrane.references import DISC, NEO_HOOKEAN
 
 #: Full stick at 40, 60, 80 mm, sure to 1e-5 [N].
 STUCK = {40.0: 16.8713, 60.0: 52.5686, 80.0: 103.634}
 
 
-def _test(friction, prestretch=1.0):
+def _test(friction, prestretch=1.0, sheet=outline.Disc(100.0, quarter=True)):  # noqa: B008
     law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
-    return SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0, prestretch, friction=friction)
+    return SphereTest(sheet, law, 1.0, 40.0, prestretch, friction=friction)
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +167,61 @@ def test_a_sheet_that_hangs_slack_does_not_rub(monkeypatch):
     state = cold_start(replace(free, tangential=Coulomb(0.3)), 9.0)
     assert state.force == 0.0
     assert not state.touching.any()
+
+
+def test_a_round_sheet_mounted_slack_with_friction():
+    """Shooting; an iteration each of whose steps lowers the energy finds the place that Newton's method alone finds."""
+    press, path = rough_path(_test(Coulomb(0.3), 0.95), list(np.linspace(3.0, 60.0, 20)))
+    force, _, energy = pressed_disc(60.0, prestretch=0.95, friction=0.3, guess=(1.13, 28.0))
+    assert (force, energy) == pytest.approx((33.0156259, 357.053319), rel=1e-8)
+    before, last = path.states[-2:]
+    assert last.force == pytest.approx(force, rel=1e-5)
+    assert last.energy == pytest.approx(energy, rel=1e-4)
+    start = (60.0, before.places, before.touching, before.memory)
+    careful = press.equilibrium(*start, cold=True, careful=True)
+    assert careful.force == pytest.approx(last.force, rel=1e-6)
+    np.testing.assert_allclose(careful.places[last.touching], last.places[last.touching], atol=1e-4)
+    assert careful.memory.dissipated == pytest.approx(last.memory.dissipated, rel=1e-4)
+
+
+def _slack_square(friction, steps=4):
+    """The sides of a square mounted at 0.97 bear from 23.9 mm on; its corners hang a good deal longer."""
+    depths = list(np.linspace(0.0, 36.0, steps + 1)[1:])
+    return rough_path(_test(friction, 0.97, outline.Square(200.0, quarter=True)), depths)
+
+
+def test_a_square_mounted_slack_settles_with_friction():
+    """It rubs as nothing where friction is nothing, the more the larger the coefficient, and least where it sticks."""
+    _, without = _slack_square(Frictionless())
+    paths = [_slack_square(friction)[1] for friction in (Coulomb(1e-9), Coulomb(0.3), Coulomb(1.0))]
+    assert all(path.limit is None and path.failures == 0 for path in paths)
+    for state, other in zip(paths[0].states, without.states, strict=True):
+        assert state.force == pytest.approx(other.force, rel=1e-5)
+    forces = [without.states[-1].force, *(path.states[-1].force for path in paths[1:])]
+    assert forces == sorted(forces)
+    assert forces[1] > 1.01 * forces[0]
+
+
+@pytest.mark.slow
+def test_work_on_a_square_mounted_slack_is_stored_or_dissipated():
+    press, path = _slack_square(Coulomb(0.3), 36)
+    assert path.limit is None
+    last = path.states[-1]
+    lost = press.sheet.mesh.copies * last.memory.dissipated
+    assert lost > 0.005 * last.energy
+    worked = np.trapezoid([state.force for state in path.states], [state.depth for state in path.states])
+    assert worked == pytest.approx(last.energy + lost, rel=3e-3)
+
+
+@pytest.mark.slow
+def test_a_square_mounted_slack_that_sticks():
+    """Stiffer than any friction; of first order in the step."""
+    rough, fine = (_slack_square(Stick(), steps)[1] for steps in (24, 48))
+    assert rough.limit is None
+    assert fine.limit is None
+    rubbed = _slack_square(Coulomb(1.0), 24)[1].states[-1]
+    assert fine.states[-1].force > rubbed.force
+    assert fine.states[-1].force == pytest.approx(rough.states[-1].force, rel=1e-2)
 
 
 def test_friction_that_grows_over_a_short_way_leads_to_the_sharp_law():
