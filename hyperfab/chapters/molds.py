@@ -12,7 +12,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.stl import SIZE_RANGE, SurfaceMesh, read_stl
-from hyperfab.surface import Soundness, Surface, consistently_wound
+from hyperfab.surface import Soundness, Surface, consistently_wound, inside_out
 from hyperfab.surface.weld import unrounded
 
 #: Which coordinates of a file become x, y and z where an axis of its own points up: turned, not mirrored.
@@ -111,9 +111,12 @@ class MoldFile:
     found: Soundness
     facet: Ints
 
-    def turned(self) -> MoldFile:
-        """Return it with its other side outside."""
-        surface = Surface(self.surface.vertices, np.ascontiguousarray(self.surface.faces[:, ::-1]))
+    def turned(self, faces: Ints | None = None) -> MoldFile:
+        """Return it with its other side outside, or that of some ``faces``."""
+        which = np.arange(len(self.surface.faces)) if faces is None else faces
+        wound = self.surface.faces.copy()
+        wound[which] = wound[which][:, ::-1]
+        surface = Surface(self.surface.vertices, wound)
         return MoldFile(self.name, surface, surface.soundness(), self.facet)
 
 
@@ -149,7 +152,16 @@ def read_mold(job: Job, name: str, stl_unit: str, axis: str = "z") -> MoldFile:
         surface = Surface(vertices, wound)
         found = surface.soundness()
     body = MoldFile(name, surface, found, facet)
-    return _outward(job, body) if found.closed and found.volume_mm3 < 0.0 else body
+    if not found.closed:
+        return body
+    body = _outward(job, body) if found.volume_mm3 < 0.0 else body
+    if len(turned := inside_out(body.surface.vertices, body.surface.faces)):
+        first = facet[turned[0]] + 1
+        job.console.warn(
+            f"{name}: {len(turned)} facets of whole pieces faced inward and were turned, facet {first} first"
+        )
+        body = body.turned(turned)
+    return body
 
 
 def _outward(job: Job, body: MoldFile) -> MoldFile:

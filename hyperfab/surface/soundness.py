@@ -109,6 +109,36 @@ def consistently_wound(faces: Ints) -> tuple[Ints, Ints]:
     return out, np.flatnonzero(turned)
 
 
+def inside_out(vertices: Array, faces: Ints) -> Ints:
+    """Return the facets of those pieces of a closed mesh that face inward and lie in no other piece: the inner side of
+    a hollow faces inward by right.
+
+    ``vertices`` (n, 3) and ``faces`` (m, 3), wound alike within each piece.
+    """
+    pieces, label = connected_components(_adjacency(twin_edges(faces)[0]), directed=False)
+    corners = vertices[faces]
+    volume = np.bincount(label, np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
+    turned = np.zeros(len(faces), bool)
+    for piece in np.flatnonzero(volume < 0.0) if pieces > 1 else ():
+        mine = label == piece
+        seen = np.bincount(label, _solid_angles(corners, corners[mine][0, 0]), pieces)
+        seen[piece] = 0.0
+        # Seen from within, a closed piece fills the whole sphere of 4 pi; from outside nothing.
+        if not (np.abs(seen) > 2.0 * np.pi).any():
+            turned |= mine
+    return np.flatnonzero(turned)
+
+
+def _solid_angles(corners: Array, point: Array) -> Array:
+    """Return the signed solid angles (m,) that triangles (m, 3, 3) fill as seen from a point (Van Oosterom, Strackee,
+    IEEE Trans. Biomed. Eng. 30 (1983) 125)."""
+    a, b, c = (corners[:, k] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+    triple = np.einsum("fi,fi->f", a, np.cross(b, c))
+    beside = (a * b).sum(1) * lc + (b * c).sum(1) * la + (c * a).sum(1) * lb
+    return np.asarray(2.0 * np.arctan2(triple, la * lb * lc + beside))
+
+
 def _adjacency(twin: Ints) -> coo_array:
     m = len(twin)
     face, other = np.repeat(np.arange(m), 3), twin.ravel()

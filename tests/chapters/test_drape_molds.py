@@ -168,3 +168,19 @@ def test_a_depth_beyond_the_molds_height_is_noted(drape):
     _, _, err = drape(cup(), "--depth", "55mm")
     assert "5 mm above the sheet's plane" in err
     assert "above the sheet" not in drape(cup(), "--depth", "50mm")[2]
+
+
+def test_one_of_two_bosses_that_faces_inward_is_turned(drape):
+    """All of a mold that faces inward is turned, and so is one of its pieces: the answer is that of the sound file."""
+    block = height_block(lambda u, v: 10.0 + 30.0 * np.exp(-(u**2 + v**2) / 300.0), (25.0, 30.0), (20, 20), 0.0)
+    vertices = np.vstack([block.vertices + np.array(away) for away in ([-35.0, 0.0, 0.0], [35.0, 5.0, 0.0])])
+    beside = block.faces + len(block.vertices)
+    status, out, err = drape((vertices, np.vstack([block.faces, beside])))
+    assert status == 0
+    assert "turned" not in err
+    sound = json.loads(out)
+    for faces in (np.vstack([block.faces, beside[:, ::-1]]), np.vstack([block.faces[:, ::-1], beside])):
+        status, out, err = drape((vertices, faces))
+        assert status == 0, err
+        assert f"{len(beside)} facets of whole pieces faced inward and were turned" in err
+        assert json.loads(out)["force_N"] == pytest.approx(sound["force_N"], rel=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from hyperfab.surface import Surface, consistently_wound
+from hyperfab.surface import Surface, consistently_wound, inside_out
 
 
 def as_surface(mesh: trimesh.Trimesh) -> Surface:
@@ -102,3 +102,16 @@ def test_soundness_finds_holes_flips_and_empty_facets(ball):
     assert list(doubled.duplicate_facets) == [len(ball.faces)]
     empty = Surface(ball.vertices, np.vstack([ball.faces, [[0, 0, 1]]])).soundness()
     assert list(empty.degenerate_facets) == [len(ball.faces)]
+
+
+def test_pieces_that_face_inward_are_found_and_hollows_left(ball):
+    """A ball of 60 mm, one beside it, a hollow in the first, a grain in that: what faces inward by right stays."""
+    count, points = len(ball.faces), len(ball.vertices)
+    vertices = np.vstack(
+        [ball.vertices, ball.vertices + np.array([200.0, 3.0, 1.0]), 0.5 * ball.vertices, 0.2 * ball.vertices]
+    )
+    out, inward = ball.faces, ball.faces[:, ::-1]
+    pieces = [out, inward + points, inward + 2 * points, out + 3 * points]
+    assert inside_out(vertices, np.vstack(pieces)).tolist() == list(range(count, 2 * count))
+    assert not len(inside_out(vertices, np.vstack([out, out + points, *pieces[2:]])))
+    assert not len(inside_out(ball.vertices, out))
