@@ -200,6 +200,22 @@ def test_plates_that_just_touch_bear_as_much_as_just_before(tmp_path, monkeypatc
         assert 1.0 <= ratio <= 1.0 + 40.0 * grown / 4.5 + 1e-9
 
 
+def test_foam_that_would_be_pressed_to_nothing_is_told(tmp_path, monkeypatch, capsys):
+    """Foam of 3.5 mm between two fabrics of 0.5 mm: a gap of 1.05 mm leaves 0.05 mm, one of 0.5 mm less than none."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "foam.toml").write_text(
+        'format = "hyperfab.foam/1"\nthickness = "3.5 mm"\ncompression = { law = "linear", modulus = "0.05 MPa" }\n'
+        'fabric = { above = "0.5 mm", below = "0.5 mm" }\nexpansion = { male = "0 1/K", female = "0 1/K" }\n'
+    )
+    for name, solid in (("male", cup.plate(-20.0, 0.0)), ("female", cup.plate(4.0, 24.0))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    told = {}
+    for gap in ("1.05mm", "0.5mm"):
+        assert press(tmp_path, monkeypatch, gap=gap)[0] == 0
+        told[gap] = "the foam would be pressed by 114 % of its thickness, to nothing" in capsys.readouterr().err
+    assert told == {"1.05mm": False, "0.5mm": True}
+
+
 def test_floating_molds_under_a_force_off_centre_tilt_towards_it(shop, monkeypatch):
     _, middle = press(shop, monkeypatch, force="100N", floating=True)
     _, aside = press(shop, monkeypatch, force="100N", floating=True, force_at="25mm,0mm")

@@ -160,6 +160,12 @@ def note_ranges(job: Job, model: Model, closed: Closed) -> None:
     for side, given, rows, grown in sides:
         if isinstance(given, TableFile):
             job.ranges.used(f"expansion.{side}", grown.temperature, known=rows.temperatures, source=foam, unit="degC")
+    most = float(strain.max(initial=0.0))
+    if most >= 1.0 and closed.contact.gap.min() > 0.0:  # where the molds touch, that is told
+        job.console.warn(
+            f"the foam would be pressed by {100.0 * most:.0f} % of its thickness, to nothing: layers of fabric fill "
+            "the gap there, and force and pressure are those of its law drawn on"
+        )
     if not job.ranges.entries:  # laws by their constants alone: nothing says how far they hold
         job.ranges.used("strain", strain, known=None, source=foam)
 
