@@ -9,6 +9,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.materials import law
+from hyperfab.materials.effects.grip_slack import given
 
 #: Stress of a neo-Hookean sheet over its modulus, by mode.
 STRESS = {
@@ -80,3 +81,19 @@ def test_play_of_each_specimen_ends_as_roundly_as_that_of_all(seed: int, width: 
     assert form == "each-toe"
     # So far as it is above the width: a shorter one is half taken up at rest.
     assert values[1:-1] == pytest.approx(loose[1:] - loose[0], abs=0.25 * width + 0.002)
+
+
+def test_a_specimen_is_not_let_go_while_its_grips_part() -> None:
+    """Whatever a smooth law has the grips give: the strain of the specimen does not fall as that read rises, but for
+    what a law bends by between two of the 401 places it is asked at; where it rises by itself it is left as it is."""
+    reach, stretch = 0.6, np.linspace(1.0, 1.8, 5000)
+    falls = []
+    for random in map(np.random.default_rng, range(200)):
+        values = random.uniform(-0.1, 0.6, 6) * reach
+        falls.append(np.min(np.diff(given(stretch, reach, values))) / reach)
+    assert min(falls) > -1e-3
+    slack = 0.05 * np.arange(1, 7) / 6.0
+    place = np.log1p(20.0 * (stretch - 1.0) / reach) / np.log1p(20.0)
+    np.testing.assert_allclose(
+        given(stretch, reach, slack), 1.0 + np.maximum(stretch - 1.0 - 0.05 * place, 0.0), atol=1e-12
+    )

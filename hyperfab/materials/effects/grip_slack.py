@@ -10,6 +10,9 @@ from hyperfab.materials.effects.path import Path
 from hyperfab.materials.effects.smooth import CLOSER, through
 from hyperfab.materials.law import Array
 
+#: Places on the way to the reach at which it is asked what the specimen had.
+_PLACES = np.linspace(0.0, 1.0, 401)
+
 
 def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     """Return the specimen's stretch: ``max(stretch - slack, 1)``, rounded over a strain ``toe`` where the play ends.
@@ -28,13 +31,18 @@ def given(stretch: Array, reach: float, values: Array) -> Array:
     """Return the specimen's stretch where what the grips give is a smooth function of the strain read.
 
     ``values`` are what they give at even parts of the logarithm of the strain, ``ln(1 + 20 e/reach)`` to the reach:
-    most of it is given at the start.
+    most of it is given at the start. They never give more than they part by: the specimen keeps what stretch it had.
 
     >>> given(np.array([1.0, 1.5]), 0.5, np.array([0.01, 0.02]))
     array([1.  , 1.48])
+    >>> given(np.array([1.1, 1.5]), 0.5, np.array([0.0, 0.45])).round(2)
+    array([1.1, 1.1])
     """
     strain = stretch - 1.0
     less = strain - _smoothly(strain, reach, values)
+    before = reach * np.expm1(np.log1p(CLOSER) * _PLACES) / CLOSER
+    kept = np.maximum.accumulate(before - _smoothly(before, reach, values))
+    less = np.maximum(less, kept[np.searchsorted(before, np.maximum(strain, 0.0), side="right") - 1])
     return np.asarray(1.0 + np.where(strain > 0.0, np.maximum(less, 0.0), strain))
 
 
