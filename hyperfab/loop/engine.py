@@ -92,7 +92,11 @@ def close(
     if not np.any(wanders.sd > found.noise.sd):
         return found
     more = under(wanders, again=False)
-    return found if more.verdict == "unexplained" or misses_more(apart, more.after.fit, found.after.fit) else more
+    # What is missed by far more than readings wander is none of their wandering, however few tell how far that is.
+    missed = more.verdict == "noise" and not _as_far(more.before, wanders)
+    if more.verdict == "unexplained" or missed or misses_more(apart, more.after.fit, found.after.fit):
+        return found
+    return more
 
 
 def _closed(
@@ -222,6 +226,13 @@ def _no_more_than_noise(base: Candidate) -> bool:
         if curve.stop - curve.start >= FEWEST and not curve.beforehand
     ]
     return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TOLD**2 for one in left)
+
+
+def _as_far(base: Candidate, noise: Noise) -> bool:
+    """Whether no test is missed by more than its readings are off, all that neighbours have in common counted."""
+    off = (base.problem.measured - base.fit.predicted) / noise.sd
+    told = [curve for curve in base.problem.curves if curve.stop - curve.start >= FEWEST and not curve.beforehand]
+    return all(np.mean(off[curve.rows] ** 2) <= TOLD**2 for curve in told)
 
 
 def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[str, Evidence]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from hyperfab.curve import TestCurve
+from hyperfab.loop import engine
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.noise import Noise
@@ -98,3 +100,32 @@ def test_a_load_cell_that_wanders_is_noise_without_replicates(
     assert (done.verdict, done.after.ids) == (verdict, names)
     if done.noise.is_correlated:
         assert 0.3 < np.max(done.noise.correlation) <= 0.9
+
+
+def tissue() -> FabricProblem:
+    """Return few readings, closer as it stiffens, of a sheet that gives four times as far one way as the other."""
+    random, tests = np.random.default_rng(0), []
+    for angle, begins, top, peak, growth, count in (
+        (0.0, 1.46, 1.615, 2.6e-3, 17.0, 12),
+        (90.0, 1.0, 1.224, 4.2e-3, 30.0, 15),
+    ):
+        bent = top - 0.75 * (top - begins) * random.random(count - 1) ** 1.5
+        stretch = np.sort(np.concatenate([[begins], bent]))
+        stress = peak * np.exp(-growth * (top - stretch)) + 1e-4 * (stretch > 1.05)
+        read = stress * (1.0 + 0.04 * random.standard_normal(count))
+        tests.append(TestCurve("uniaxial", stretch, read, direction=angle, source=f"{angle}", specimen=f"{angle}"))
+    return fabric_problem(law("ogden-1"), (1e-9, 26.0), tests)
+
+
+def test_what_misses_by_far_more_than_readings_wander_is_no_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few readings hardly tell how far they wander: a model that misses by 15 times that is wrong all the same."""
+
+    def vaguely(problem: FabricProblem, noise: Noise, left: np.ndarray, channel: int) -> Noise:
+        return replace(noise, sd=3.0 * noise.sd, dof=1.0, correlation=np.full(len(noise.sd), 0.9))
+
+    monkeypatch.setattr(engine, "wandering", vaguely)
+    problem = tissue()
+    done = close(problem, design=False)
+    off = (problem.measured - done.before.fit.predicted) / (3.0 * engine.estimate_noise(problem, None).sd)
+    assert min(np.sqrt(np.mean(off[curve.rows] ** 2)) for curve in problem.curves) > 10.0
+    assert (done.verdict, done.after.ids) == ("unexplained", ("anisotropy",))
