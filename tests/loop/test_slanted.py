@@ -94,3 +94,21 @@ def test_a_laminate_at_seven_angles_is_anisotropic() -> None:
     found = closed("ogden-1", tests)
     assert found.verdict == "effect"
     assert {*found.after.ids} == {"anisotropy"}
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_threads_of_the_way_that_gives_least_are_found_as_straight_as_they_become(seed: int) -> None:
+    """A soft ground pulled to 1.6 along the warp, threads along the weft that are straight at 1.22: their growth is by
+    the strain that way reaches, not by that of the other."""
+    random, tests = np.random.default_rng(seed), []
+    for angle, top in ((0.0, 1.6), (90.0, 1.22)):
+        stretch = np.linspace(1.0, top, 40)
+        stress, grown = 0.02 * (stretch - stretch**-2), stretch**2 - 1.0
+        if angle:
+            stress = stress + 2.0 * 0.002 * stretch * grown * np.exp(30.0 * grown**2)
+        read = stress + 0.002 * np.max(stress) * random.standard_normal(40)
+        tests.append(TestCurve("uniaxial", stretch, read, direction=angle, source=f"{angle}", specimen=f"{angle}"))
+    done = close(fabric_problem(law("neo-hookean"), (0.01,), tests), design=False)
+    assert (done.verdict, done.after.ids) == ("effect", ("anisotropy",))
+    assert done.after.fit.forms["anisotropy"].name == "weft-fibres"
+    np.testing.assert_allclose(done.after.fit.x, [0.01, 0.002, 30.0], rtol=0.02)

@@ -37,6 +37,12 @@ class DataContext:
         return max(float(np.max(self.path.outward.stretch)) - 1.0, 1e-3)
 
     @property
+    def least_reach(self) -> float:
+        """Largest strain of the direction that was pulled least."""
+        angle, strain = self.path.angle_deg, self.path.outward.stretch - 1.0
+        return max(min((float(np.max(strain[angle == one])) for one in self.angles), default=self.reach), 1e-3)
+
+    @property
     def energy(self) -> float:
         """Size of the strain energy at the largest strain [MPa]."""
         return 0.4 * self.peak_stress * self.reach

@@ -49,7 +49,9 @@ def anisotropy(context: DataContext) -> Effect:
     far = (1.0 + context.reach) ** 2 - 1.0
     stiff = context.peak_stress / (2.0 * far * (1.0 + context.reach))
     warp, across = (Constant(f"k1_{way}_MPa", 0.0, 0.0, scale=0.1 * stiff) for way in ("warp", "weft"))
-    growth = Constant("k2", 0.0, 0.0, 20.0 / far**2, 0.3 / far**2)
+    # Threads of the direction that gives least are straight before those of the other: their growth is by its reach.
+    near = (1.0 + context.least_reach) ** 2 - 1.0
+    growth = Constant("k2", 0.0, 0.0, 20.0 / near**2, 0.3 / far**2)
     starts = ((0.2 * stiff, 0.1 / far**2), (0.1 * stiff, 1.5 / far**2))
     for way, one in (("warp", warp), ("weft", across)):
         forms.append(Form(f"{way}-fibres", (one, growth), starts, ((0.02 * stiff, 0.0),)))
