@@ -41,8 +41,12 @@ _WORDS = 4
 _WINDOW = 400
 
 
-def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> list[CsvSheet]:
+def open_sheets(
+    data: bytes, name: str, fits: Fits, layout: Layout = PLAIN, sought: Sequence[str] = ()
+) -> list[CsvSheet]:
     """Split a file into its tables whose headings ``fits``: several where specimens stand one under another.
+
+    ``sought`` are the headings of a table that is no test, as it may be asked for where a file has none.
 
     Comma, semicolon, tab, bar or white space; UTF-8, UTF-16, Windows and other code pages, any line ends;
     ``# key: value`` lines, and whatever machines write above a table; units beside the names or in a row of their own;
@@ -79,16 +83,18 @@ def open_sheets(data: bytes, name: str, fits: Fits, layout: Layout = PLAIN) -> l
         # Rows for columns: a quantity a line.
         chosen = best((mark, find(transposed(_rows(body, mark, name)), fits, layout)) for mark in SEPARATORS)
     if chosen is None:
-        return [_sheet(_plain(body, separator, name, layout), name, separator, metadata, layout)]
+        return [_sheet(_plain(body, separator, name, layout, sought), name, separator, metadata, layout)]
     separator, blocks = chosen
     if layout.skip_rows is not None:
         blocks = blocks[:1]
     return [_sheet(block, name, separator, metadata, layout) for block in understood(blocks, name)]
 
 
-def open_sheet(data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True) -> CsvSheet:
+def open_sheet(
+    data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True, sought: Sequence[str] = ()
+) -> CsvSheet:
     """Return the one table of a file; InputError where it has several."""
-    sheets = open_sheets(data, name, fits, layout)
+    sheets = open_sheets(data, name, fits, layout, sought)
     if len(sheets) > 1:
         raise InputError(
             f"has {len(sheets)} tables, in lines {sheets[0].header_line}, {sheets[1].header_line}, …",
@@ -277,7 +283,7 @@ def _plain_column(cells: Sequence[str]) -> bool:
     )
 
 
-def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layout) -> Block:
+def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layout, sought: Sequence[str]) -> Block:
     """Return what a file most likely is where no head fits: its columns are then named in the message."""
     window = body[:_WINDOW]
     options = [(mark, _rows(window, mark, name)) for mark in SEPARATORS]
@@ -286,13 +292,22 @@ def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layou
         return max(chosen[1], key=lambda one: len(one.rows))
     _, rows = max(options, key=lambda option: sum(is_data(cells) for _, cells in option[1]))
     if is_data(rows[0][1]):
-        raise _headless(rows, name)
+        raise _headless(rows, name, sought)
     rows = _rows(window, separator, name)
     return Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
 
 
-def _headless(rows: list[Row], name: str) -> InputError:
-    """Return the error that no line names the columns, with what their first readings suggest."""
+def _headless(rows: list[Row], name: str, sought: Sequence[str]) -> InputError:
+    """Return the error that no line names the columns, with what is ``sought``, of a test what its first readings
+    suggest."""
+    if sought:
+        return InputError(
+            "starts with numbers, there is no header",
+            file=name,
+            line=rows[0][0],
+            remedy=f'name the columns, as in "{",".join(sought)}", or say what they are by number, whichever stands '
+            f"first: {filled_in([(str(k), one) for k, one in enumerate(sought, 1)])}",
+        )
     columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
     one, two = (*columns, ())[:2]
     names = [("1", shape(one, stress=two)), ("2", "stress [MPa]")]

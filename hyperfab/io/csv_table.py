@@ -85,7 +85,8 @@ def read_table(
 
     offered = layout is not None
     layout = layout or PLAIN
-    sheet = open_sheet(data, name, layout, fits)
+    sought = [_titled(column, kind) for column, kind in columns.items()]
+    sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
     wanted: dict[str, tuple[Heading, str]] = {}
     for column, asked in {**columns, **(optional or {})}.items():
         kind = _kind(asked)
@@ -180,9 +181,7 @@ def _none_of(sheet: CsvSheet, rest: str, bare: Sequence[Heading], asked: Mapping
 def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: bool) -> InputError:
     """Return the error that a column lacks; with the option that says which it is, where the command has that."""
     heads = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
-    kind = _kind(columns[column])
-    unit = KINDS[kind].unit
-    title = f"{column} [{unit if unit != '1' else '-'}]"
+    kind, title = _kind(columns[column]), _titled(column, columns[column])
     perhaps = [
         one.title.strip() or f"#{one.index + 1}"
         for one in sheet.headings
@@ -192,6 +191,11 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
     ]
     settles = f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""
     return sheet.wrong(f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}')
+
+
+def _titled(column: str, asked: str) -> str:
+    unit = KINDS[_kind(asked)].unit
+    return f"{column} [{unit if unit != '1' else '-'}]"
 
 
 def _check_increasing(sheet: CsvSheet, heading: Heading, values: Array) -> None:
