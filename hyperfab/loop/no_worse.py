@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from hyperfab.loop.belief import explains, surprise
 from hyperfab.loop.fitting import Descent, Fit, descent
 from hyperfab.loop.judge import Candidate
 from hyperfab.loop.search import Search
@@ -24,8 +25,10 @@ def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | No
     """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
     apart), the best with no other names that does not.
 
-    That may be one of the same names in other forms, or one of simpler forms. What is left then has to pay anew.
+    That may be one of the same names in other forms, or one of simpler forms. What is left then has to pay anew. Where
+    none is left, other names that explain the data may stand, the likeliest first.
     """
+    had = bool(best.ids)
     while best.ids:
         same = of_same_names(search, base, best, apart)
         if same is not None:
@@ -35,7 +38,18 @@ def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | No
         by_cost = sorted([*simpler, *fewer], key=lambda state: state.fit.cost)
         good = next((state for state in by_cost if is_no_worse(base, state, apart)), None)
         best = pruned(search, good or min(fewer, key=lambda state: state.fit.cost))
-    return best
+    return (_of_other_names(search, base, apart) or best) if had else best
+
+
+def _of_other_names(search: Search, base: Candidate, apart: Apart | None) -> Candidate | None:
+    """Return the likeliest single name that explains the data and misses no more than the model without names, None
+    where there is none."""
+    alone = [state for state in search.states if len(state.ids) == 1 and explains(base, state)]
+    for state in sorted(alone, key=surprise):
+        same = of_same_names(search, base, state, apart)
+        if same is not None and explains(base, same) and pruned(search, same).ids:
+            return same
+    return None
 
 
 def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from scipy.special import chdtrc, chdtri
@@ -11,9 +12,9 @@ from scipy.special import chdtrc, chdtri
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, replicates, told_apart
+from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, of_correlated, replicates, told_apart
 from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, ONE_CLOTH, TOLD, UNLIKELY
-from hyperfab.loop.wandering import wandering
+from hyperfab.loop.wandering import TRIED, restricted, wandering
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
 MAD = 1.4826
@@ -217,31 +218,53 @@ def _resolution(values: Array) -> float:
 @dataclass(frozen=True)
 class _Compared:
     """What pairs of replicates differ by, in units of the noise (pairs,): the square of the gain, less what chance
-    makes of it, and less what a doubt does; mean square and correlation of the rest.
+    makes of it, and less what a doubt does.
 
-    ``count`` readings were compared; ``misfit`` is minus twice the logarithm of their likelihood with one level of
-    noise in all pairs.
+    Of the rest, for each correlation of neighbours that is tried (pairs, tried): ``rests`` is half its sum of squares,
+    ``unlikely`` the rest of minus twice the logarithm of its likelihood, ``free`` (pairs,) its degrees of freedom;
+    ``expected`` (pairs, tried, 2) are its variance, and what neighbours of it have in common, were that the correlation
+    of noise of unit variance. ``count`` readings were compared; ``misfit`` is minus twice the logarithm of their
+    likelihood with one level of noise in all pairs.
     """
 
     gains: Array
     sure: Array
     rests: Array
-    lags: Array
+    unlikely: Array
+    free: Array
+    expected: Array
     count: int
     misfit: float
 
-    @property
+    @cached_property
     def correlation(self) -> float:
-        """Between neighbouring rows of one curve, where it is clearly one."""
-        # Interpolating one replicate onto the other and a fitted gain correlate a little: that claims nothing.
-        rho = float(np.mean(self.lags))
-        return min(rho, 0.98) if rho > 0.3 + 2.0 / np.sqrt(self.count) else 0.0
+        """Between neighbouring rows of one curve, where it is clearly one: by restricted likelihood."""
+        every = np.sum(self.free[:, None] * np.log(self.rests + 1e-300) + self.unlikely, axis=0)
+        best = int(np.argmin(every))
+        # Interpolating one replicate onto the other correlates a little: that claims nothing.
+        clear = float(np.interp(self._alike[0], TRIED, every)) - every[best] > TOLD**2
+        return float(np.interp(TRIED[best], self._alike, TRIED)) if clear and TRIED[best] > self._alike[0] else 0.0
+
+    def times(self, dof: float) -> float:
+        """Return how many times the variance, known with ``dof``, that of the readings is, 1 where not clearly more."""
+        lag = float(np.interp(self.correlation, TRIED, self._alike))
+        left, one = (
+            np.array([float(np.interp(x, TRIED, row)) for row in rows])
+            for x, rows in ((lag, self.rests), (self.correlation, self.expected[..., 0]))
+        )
+        times = float(np.mean(left / self.free / one))
+        return times if times > 1.0 + TOLD * np.sqrt(2.0 / self.count + 2.0 / dof) else 1.0
+
+    @property
+    def _alike(self) -> Array:
+        """What neighbours differ by alike, for each correlation of the readings."""
+        return np.asarray(np.mean(self.expected[..., 1] / self.expected[..., 0], axis=0))
 
 
 def _compared(problem: Problem, sd: Array, channel: int) -> _Compared | None:
-    found = []
+    found, of_rest, expected = [], [], []
     for first, second in replicates(problem.curves, channel):
-        apart, level, slope, spread = difference(problem.measured, sd, first, second)
+        apart, level, slope, spread, between = difference(problem.measured, sd, first, second)
         if len(apart) < FEWEST:
             continue
         # A transverse stretch is in proportion to how much narrower the specimen becomes.
@@ -252,17 +275,19 @@ def _compared(problem: Problem, sd: Array, channel: int) -> _Compared | None:
             coefficients, variance, left = told_apart(values, *shapes)
             # A spike in one of them is neither its stiffness nor noise of all.
             values = values - left + winsorised(apart - values + left)
-        gain, quiet = float(coefficients[0]) ** 2 / 2.0, winsorised(left)
-        power = float(quiet @ quiet)
-        rest, lag = power / (2.0 * (len(left) - len(coefficients))), float(quiet[1:] @ quiet[:-1])
-        likely = 2.0 * float(np.sum(np.log(spread)))
-        found.append((gain - variance, gain - TOLD**2 * variance, rest, lag / max(power, 1e-300), len(left), likely))
+        gain = float(coefficients[0]) ** 2 / 2.0
+        found.append((gain - variance, gain - TOLD**2 * variance, len(values), 2.0 * float(np.sum(np.log(spread)))))
+        # How they may have been mounted is no noise of readings, though it is not told from their stiffness.
+        smooth = np.stack([shapes[0], *shapes[1]], axis=1)
+        rest, unlikely = restricted(smooth, values)
+        of_rest.append((0.5 * rest, unlikely, np.full(len(TRIED), len(values) - smooth.shape[1])))
+        expected.append([of_correlated(between, float(rho)) for rho in TRIED])
     if not found:
         return None
-    gains, sure, rests, lags, counts, likely = np.array(found).T
-    rest = float(counts @ rests) / float(np.sum(counts))
-    misfit = float(np.sum(likely) + np.sum(counts) * np.log(rest + 1e-300))
-    return _Compared(gains, sure, rests, lags, int(np.sum(counts)), misfit)
+    gains, sure, counts, likely = np.array(found).T
+    rests, unlikely, free = np.array(of_rest).transpose(1, 0, 2)
+    misfit = float(np.sum(likely) + np.sum(counts) * np.log(np.sum(rests[:, 0]) / np.sum(free[:, 0]) + 1e-300))
+    return _Compared(gains, sure, rests, unlikely, free[:, 0], np.array(expected), int(np.sum(counts)), misfit)
 
 
 def _likelier(problem: Problem, sd: Array, louder: Array, channel: int) -> tuple[_Compared | None, Array]:
@@ -291,12 +316,13 @@ def _with_replicates(problem: Problem, noise: Noise, louder: Array, free: bool) 
     noise = noise if sd is noise.sd else replace(noise, sd=sd)
     gain_sd = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
     doubt = _at_most(found.sure)
-    rho, rest, count = found.correlation, float(np.mean(found.rests)), found.count
+    rho, count = found.correlation, found.count
+    times = found.times(noise.dof)
     sd, dof = noise.sd, noise.dof
-    if free and (rho or rest > 1.5):
+    if free and times > 1.0:
         # What stresses differ by tells nothing of other readings.
-        sd = np.where(problem.channel == 0, sd * np.sqrt(max(rest, 1.0)), sd)
-        dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if rho else dof
+        sd = np.where(problem.channel == 0, sd * np.sqrt(times), sd)
+    dof = min(dof, max(count * (1.0 - rho) / (1.0 + rho), 2.0)) if free and rho else dof
     if gain_sd < _ALIKE and not rho and sd is noise.sd:
         return noise
     return replace(
@@ -339,5 +365,6 @@ def _across(problem: Problem, sd: Array, louder: Array) -> tuple[Array, float, f
     if found is None:
         return sd, 0.0, 0.0
     scatter = float(np.sqrt(max(float(np.mean(found.gains)), 0.0)))
-    wider = np.sqrt(max(float(np.mean(found.rests)), 1.0))
-    return np.where(problem.channel == 1, sd * wider, sd), scatter if scatter >= _ALIKE else 0.0, found.correlation
+    rho = found.correlation
+    wider = np.sqrt(found.times(np.inf))
+    return np.where(problem.channel == 1, sd * wider, sd), scatter if scatter >= _ALIKE else 0.0, rho

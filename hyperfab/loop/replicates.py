@@ -51,9 +51,10 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
     return found[0], float(found[1][0, 0]), found[2]
 
 
-def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array]:
-    """Return the second replicate minus the first at the second's places, and their level, slope and mean sd there."""
-    found: list[tuple[Array, Array, Array, Array]] = []
+def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array, Array]:
+    """Return the second replicate minus the first at the second's places, their level, slope and mean sd there, and
+    between which readings of the first that is, as a number of rows and a part of one."""
+    found: list[tuple[Array, Array, Array, Array, Array]] = []
     for one, other in zip(_ways(first), _ways(second), strict=False):
         x1, x2 = first.places[one - first.start], second.places[other - second.start]
         order = np.argsort(x1, kind="stable")
@@ -62,11 +63,38 @@ def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array,
         level = (y[other][inside] + there) / 2.0
         # Of both, so that half the square of their difference is one.
         both = np.sqrt((sd[other][inside] ** 2 + np.interp(x2[inside], x1[order], sd[one][order] ** 2)) / 2.0)
-        found.append((y[other][inside] - there, level, _slope(x2[inside], level), both))
+        between = np.interp(x2[inside], x1[order], np.arange(len(order), dtype=np.float64)) + float(one[0])
+        found.append((y[other][inside] - there, level, _slope(x2[inside], level), both, between))
     if not found:
-        return np.empty(0), np.empty(0), np.empty(0), np.empty(0)
-    apart, level, slope, deviation = (np.concatenate([one[k] for one in found]) for k in range(4))
-    return apart, level, slope, deviation
+        return np.empty(0), np.empty(0), np.empty(0), np.empty(0), np.empty(0)
+    apart, level, slope, deviation, between = (np.concatenate([one[k] for one in found]) for k in range(5))
+    return apart, level, slope, deviation, between
+
+
+def of_correlated(between: Array, rho: float) -> tuple[float, float]:
+    """Return the variance of what two replicates differ by, half of it, and what neighbours of it have in common, where
+    the noise is an autoregression of first order of unit variance.
+
+    ``between`` (n,) is where the first was read, in rows and parts of one: a mean of two readings is quieter than one,
+    and neighbours that lie between the same two have them in common.
+
+    >>> of_correlated(np.arange(9.0), 0.0)
+    (1.0, 0.0)
+    >>> of_correlated(np.arange(9.0) + 0.5, 0.0)
+    (0.75, 0.125)
+    """
+    row = np.floor(between)
+    part = between - row
+    nodes = ((row, 1.0 - part), (row + 1.0, part))
+
+    def common(lag: int) -> float:
+        ahead, behind = slice(lag, None), slice(None, len(row) - lag)
+        of_first = sum(
+            w[ahead] * v[behind] * np.power(rho, np.abs(i[ahead] - j[behind])) for i, w in nodes for j, v in nodes
+        )
+        return 0.5 * (rho**lag + float(np.mean(of_first)))
+
+    return common(0), common(1)
 
 
 def moving(curve: Curve) -> list[slice]:

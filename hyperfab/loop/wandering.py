@@ -16,7 +16,7 @@ from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST
 #: What is smooth along a way up or down is a polynomial of this degree at most, of one for so many readings.
 _DEGREE, _EACH = 8, 5
 #: Correlations of neighbours that are tried.
-_TRIED = np.round(np.arange(0.0, 0.95, 0.05), 2)
+TRIED = np.round(np.arange(0.0, 0.95, 0.05), 2)
 
 
 def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Noise:
@@ -39,32 +39,40 @@ def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Nois
     variance = rest.sum(axis=0) / free.sum()
     every = free.sum() * np.log(variance) + unlikely.sum(axis=0)
     # What reaches farther than such a polynomial bends is no longer told from it.
-    best = int(np.argmin(np.where(np.exp(-terms.sum() / rows.sum()) >= _TRIED, every, np.inf)))
+    best = int(np.argmin(np.where(np.exp(-terms.sum() / rows.sum()) >= TRIED, every, np.inf)))
     alone = free[:, None] * np.log(rest) + unlikely
     agree = free @ (alone[:, best] < alone[:, 0]) / free.sum()
     if every[0] - every[best] < MARGIN or agree < MOST or variance[best] <= 1.0:
         return noise
     sd = np.where(own, np.sqrt(variance[best]) * noise.sd, noise.sd)
     source = f"{noise.source}, neighbours alike" if channel == 0 else noise.source
-    return replace(noise, sd=sd, correlation=np.where(own, _TRIED[best], noise.correlation), source=source)
+    return replace(noise, sd=sd, correlation=np.where(own, TRIED[best], noise.correlation), source=source)
 
 
 def _likelihood(curve: Curve, left: Array, sd: Array) -> tuple[Array, Array, int, int, int] | None:
     """Return, for each correlation that is tried, what polynomials leave of a curve (sum of squares, in units of the
     noise) and the rest of minus twice the logarithm of the likelihood; degrees of freedom, readings and terms."""
     ways = [piece for piece in moving(curve) if piece.stop - piece.start >= FEWEST]
-    rest, unlikely, rows, terms = np.zeros(len(_TRIED)), np.zeros(len(_TRIED)), 0, 0
+    rest, unlikely, rows, terms = np.zeros(len(TRIED)), np.zeros(len(TRIED)), 0, 0
     for piece in ways:
         along = curve.places[piece.start - curve.start : piece.stop - curve.start]
         middle, half = 0.5 * (np.max(along) + np.min(along)), 0.5 * np.ptp(along) or 1.0
         count = len(along)
         smooth = chebvander((along - middle) / half, min(count // _EACH, _DEGREE))
-        both = np.column_stack([smooth, left[piece]]) / sd[piece, None]
-        for j, rho in enumerate(_TRIED):
-            told = both.copy()
-            told[1:] = (both[1:] - rho * both[:-1]) / np.sqrt(1.0 - rho**2)
-            size = np.abs(np.diag(np.asarray(np.linalg.qr(told, mode="r"))))
-            rest[j] += size[-1] ** 2
-            unlikely[j] += (count - 1) * np.log(1.0 - rho**2) + 2.0 * np.sum(np.log(size[:-1]))
+        own, odds = restricted(smooth / sd[piece, None], left[piece] / sd[piece])
+        rest, unlikely = rest + own, unlikely + odds
         rows, terms = rows + count, terms + smooth.shape[1]
     return (rest, unlikely, rows - terms, rows, terms) if ways and np.all(rest > 0.0) else None
+
+
+def restricted(smooth: Array, values: Array) -> tuple[Array, Array]:
+    """Return, for each correlation that is tried, what columns (n, k) leave of values (n,), as sum of squares, and the
+    rest of minus twice the logarithm of the restricted likelihood."""
+    both, rest, unlikely = np.column_stack([smooth, values]), np.empty(len(TRIED)), np.empty(len(TRIED))
+    for j, rho in enumerate(TRIED):
+        told = both.copy()
+        told[1:] = (both[1:] - rho * both[:-1]) / np.sqrt(1.0 - rho**2)
+        size = np.abs(np.diag(np.asarray(np.linalg.qr(told, mode="r"))))
+        rest[j] = size[-1] ** 2
+        unlikely[j] = (len(values) - 1) * np.log(1.0 - rho**2) + 2.0 * np.sum(np.log(size[:-1]))
+    return rest, unlikely

@@ -9,10 +9,13 @@ import pytest
 from loop.blind import problem_of
 from loop.generators import fabric as truths
 
+from hyperfab.curve import TestCurve
 from hyperfab.loop.contact import ForceDepth, contact_problem
 from hyperfab.loop.emulator import Axis
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens, estimate_noise
+from hyperfab.materials.registry import law
 
 
 def test_spread_is_what_a_perfect_model_misses_by():
@@ -88,3 +91,28 @@ def test_sheets_pushed_alike_scatter_in_stiffness(warm: bool) -> None:
     else:
         assert found.gain_sd == pytest.approx(0.08 / 1.04 / np.sqrt(2.0), rel=0.1)
         assert len(found.groups) == 2
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.3, 0.6])
+def test_replicates_read_elsewhere_tell_how_neighbouring_readings_err_alike(rho: float) -> None:
+    """What neighbours differ by is 0.78 (0.55) of noise that they have 0.3 (0.6) of in common; a curve between two
+    readings is quieter than one."""
+    rng, sd = np.random.default_rng(7), 2e-3
+
+    def pulled(name: str, slack: float) -> TestCurve:
+        stretch, white = np.sort(1.0 + 0.5 * rng.random(60)), rng.standard_normal(60)
+        err = white.copy()
+        for i in range(1, 60):
+            err[i] = rho * err[i - 1] + np.sqrt(1.0 - rho**2) * white[i]
+        own = stretch - slack
+        stress = 0.4 * (own - own**-2) * (1.0 + 0.03 * rng.standard_normal()) + sd * err
+        return TestCurve("uniaxial", stretch, stress, source=name, specimen=name)
+
+    found = []
+    for _ in range(20):
+        tests = [pulled(name, slack) for name, slack in (("a", 0.0), ("b", 0.0), ("c", 0.01), ("d", 0.0))]
+        noise = estimate_noise(fabric_problem(law("neo-hookean"), (0.2,), tests))
+        found.append((float(np.median(noise.sd)), float(np.max(noise.correlation))))
+    size, alike = np.mean(found, axis=0)
+    assert size == pytest.approx(sd, rel=0.08)
+    assert alike == pytest.approx(rho, abs=0.08)
