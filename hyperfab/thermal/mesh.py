@@ -85,7 +85,7 @@ def build_mesh(
     ``points`` in m. Facets that are not in ``surface`` (three vertices each) get face number -1; without
     ``surface`` all do.
     """
-    elements = _oriented(points, elements)
+    elements = oriented(points, elements)
     near = along_a_curve(points[elements[:, 0]])  # a product with a matrix of the mesh then takes two thirds
     elements, parts = elements[near], parts[near]
     elements, points, vertices, edge_ends, place = _renumber(points, elements)
@@ -125,7 +125,7 @@ def split_contacts(mesh: HeatMesh, contact: Flags) -> HeatMesh:
     return HeatMesh(points, elements, mesh.parts, vertices, _edge_ends(elements, len(points), vertices), mesh.curved, f)
 
 
-def _oriented(points: Array, elements: Ints) -> Ints:
+def oriented(points: Array, elements: Ints) -> Ints:
     """Turn elements of negative volume over."""
     a, b, c, d = (points[elements[:, i]] for i in range(4))
     volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
@@ -160,7 +160,7 @@ def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int)
     points[vertices:][~off] = middle[~off]
     for _ in range(20):
         bent = off[elements[:, 4:] - vertices].any(axis=1)
-        bad = np.flatnonzero(bent)[_twisted(points[elements[bent]])]
+        bad = np.flatnonzero(bent)[twisted(points[elements[bent]])]
         if len(bad) == 0:
             break
         straight = np.unique(elements[bad, 4:] - vertices)
@@ -169,7 +169,7 @@ def _straightened(points: Array, elements: Ints, edge_ends: Ints, vertices: int)
     return points, off[elements[:, 4:] - vertices].any(axis=1)
 
 
-def _twisted(nodes: Array) -> Flags:
+def twisted(nodes: Array) -> Flags:
     """Whether the Jacobian somewhere falls below a fifth of the straight element's (nodes (m, 10, 3))."""
     from hyperfab.thermal.elements import TETRAHEDRON
 

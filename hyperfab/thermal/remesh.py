@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import cg
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
 from hyperfab.thermal.geometry import Body, Geometry, Stl
-from hyperfab.thermal.mesh import EDGES
+from hyperfab.thermal.mesh import EDGES, oriented, twisted
 from hyperfab.thermal.mesher import RawMesh, mesh_surface
 
 #: Rounds of refinement where the new surface strays, and the longest edges tried first, as shares of mesh_size: the
@@ -35,6 +38,8 @@ HARDER = 0.7
 PIECES = 4
 #: A node is not moved where an element would fall below this share of its volume.
 LEAST_VOLUME = 0.3
+#: How closely the nodes inside follow those on the surface, relative to the moves.
+FOLLOWS = 1e-3
 
 
 @dataclass(frozen=True)
@@ -94,7 +99,8 @@ def remesh_surface(
 def laid_back(raw: RawMesh, geometry: Geometry) -> RawMesh:
     """Move the nodes on coarser STL surfaces onto the surfaces these stand for.
 
-    Only nodes whose every facet lies on one such surface move, and none that would spoil an element.
+    Only nodes whose every facet lies on one such surface move, and none that would spoil an element. Where curved
+    elements would turn inside out, those inside move along.
     """
     shapes = [
         shape for body in (*geometry.parts, *geometry.cavities) for shape in body.shapes
@@ -120,7 +126,31 @@ def laid_back(raw: RawMesh, geometry: Geometry) -> RawMesh:
         onto = Surface(shape.fine.vertices, shape.fine.triangles)
         points[chosen] = onto.nearest(raw.points[chosen]).point
         moved[chosen] = True
+    if twisted(points[oriented(raw.points, raw.elements)]).any():
+        held = np.concatenate([raw.surface.ravel(), middles[_on(ends, raw.surface)]])
+        points, moved = _carried(raw, points, held), np.ones(len(points), dtype=bool)
     return replace(raw, points=_unspoiled(raw, points, moved, ends, middles))
+
+
+def _carried(raw: RawMesh, points: Array, held: Ints) -> Array:
+    """Return ``points`` with all but those ``held`` moved as the mean of their neighbours, nearer ones the more."""
+    pairs = np.unique(np.sort(raw.elements[:, list(combinations(range(10), 2))].reshape(-1, 2), axis=1), axis=0)
+    # The mean over a six-node facet is that of its edge nodes: corners of the surface carry nothing.
+    pairs = pairs[~np.isin(pairs, np.intersect1d(held, raw.elements[:, :4])).any(axis=1)]
+    pull = 1.0 / np.sum((raw.points[pairs[:, 0]] - raw.points[pairs[:, 1]]) ** 2, axis=1)
+    count = len(points)
+    near = sparse.coo_matrix((pull, pairs.T), shape=(count, count)).tocsr()
+    near = near + near.T
+    free = np.setdiff1d(np.unique(raw.elements), held)
+    total = np.asarray(near.sum(axis=1)).ravel()[free]
+    inside = sparse.diags(total) - near[free][:, free]
+    moves = points - raw.points
+    moves[free] = 0.0
+    for axis, load in enumerate((near[free] @ moves).T):
+        moves[free, axis], left = cg(inside, load, rtol=FOLLOWS, M=sparse.diags(1.0 / total))
+        if left:
+            raise NotConverged("the nodes inside the mesh do not follow its surface", remedy="take another mesh_size")
+    return np.asarray(raw.points + moves)
 
 
 def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:

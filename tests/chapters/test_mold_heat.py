@@ -594,18 +594,18 @@ def test_a_place_that_belongs_elsewhere_is_refused_with_the_right_form(tmp_path,
         heat(tmp_path, PLATE.split("box =")[0] + line + "\n" + HEATER + FILM + PROBE + RUN)
 
 
-@pytest.mark.parametrize("fineness", [2, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("fineness", [2, 4])
 def test_a_cavity_may_be_an_stl(tmp_path, fineness):
     import trimesh
 
-    ball = trimesh.creation.icosphere(fineness, radius=8.0)  # 320 facets, and 20 480 that are meshed anew
+    ball = trimesh.creation.icosphere(fineness, radius=8.0)  # 320 facets, and 5120 that are meshed anew
     ball.apply_translation([50, 40, 10])
     (tmp_path / "ball.stl").write_bytes(trimesh.exchange.stl.export_stl(ball))
     text = PLATE.replace("[[heater]]", '[[cavity]]\nname = "ball"\nstl = "ball.stl"\n[[heater]]')
     text = text.replace("plate.z-", "ball.all").replace('"25 mm"', '"15 mm"').replace('"300 s"', '"5 s"')
     status, document, _ = heat(tmp_path, text)
     assert status == 0
-    strays = ball.area * 0.015 * 15.0 if fineness == 5 else 1e-3  # 1.5 % of mesh_size is allowed [mm^3]
+    strays = 0.25 * ball.area * 0.015 * 15.0 if fineness == 4 else 1e-3  # 1.5 % of mesh_size is allowed at most [mm^3]
     assert document["mass_kg"] / 2702e-9 == pytest.approx(160e3 - ball.volume, abs=strays)
     assert document["conditions"]["heater ball.all"]["area_mm2"] == pytest.approx(ball.area, rel=0.03)
     assert document["conditions"]["convection exposed"]["area_mm2"] == pytest.approx(23200.0, rel=1e-6)
