@@ -52,6 +52,10 @@ def fewest(
         for ids in pairs.values():
             search.freed(before, ids)
         found = likeliest(search, before, no_worse)
+        if found is not None and sum(form.free for form in found.fit.forms.values()) > 1:
+            # Freed one by one, the first took up what a formula of the other says beside its free law.
+            search.polished(found)
+            found = likeliest(search, before, no_worse)
     if found is None and 0 < len(whole.ids) < 3:
         # What formulas leave may hide a further name, which shows beside their smooth laws.
         judged = len(search.states)
