@@ -103,7 +103,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
     """Return the model so fitted that it is no worse than another: what was read beside the stresses counts less and
     less until these are missed by no more.
 
-    Where the terms have no say in the stresses, the model's own constants stay as they are.
+    Where the terms of a fabric have no say in the stresses, the model's own constants stay as they are.
     """
     beside = state.problem.channel > 0
     if not beside.any() or not state.ids or state.says is base:
@@ -112,7 +112,8 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
     as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
     kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
     alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
-    if alike or kept.cost <= state.fit.cost * _ALIKE:
+    # Of a press, a film read after opening says as much of the model's own constants as the pressure does.
+    if (alike and state.problem.describes) or kept.cost <= state.fit.cost * _ALIKE:
         state = Candidate(search.problem, search.noise, kept.fit(search.noise), says=base if alike else None)
     found, looser = state, iter(_LOOSER)
     while not is_no_worse(base, found, apart):
