@@ -19,6 +19,7 @@ from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, setups_of, s
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy, load_offset, mullins
+from hyperfab.materials.effects.corners import cornered
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.grip_slack import BENDS, STAYS
 from hyperfab.materials.effects.path import (
@@ -52,11 +53,14 @@ class FabricProblem(Problem):
     """A law with constants, terms it already has, and the measured tests.
 
     Rows of channel 0 are stresses; those of channel 1 transverse stretches of uniaxial tests (``transverse_rows``).
+    ``fabric`` has the rows read; ``whole`` is led through corners between them too, and is ``read`` (m,) at those.
     """
 
     least_noise: ClassVar[float] = MACHINE
     plain: ClassVar[str] = "elastic-law"
     fabric: Fabric = field(kw_only=True)
+    whole: Fabric = field(kw_only=True)
+    read: Flags = field(kw_only=True)
     tests: Sequence[TestCurve] = field(kw_only=True)
     law: Law = field(kw_only=True)
     both: bool = field(kw_only=True)
@@ -78,10 +82,10 @@ class FabricProblem(Problem):
         """Return stresses [MPa], then transverse stretches."""
         warp, weft, had = self.of_own(own)
         given = {**had, **terms}
-        stress = self.fabric.stress(warp, weft, given)
+        stress = self.whole.stress(warp, weft, given)[self.read]
         if len(self.transverse_rows) == 0:
             return stress
-        return np.concatenate([stress, self.fabric.across(given, warp, weft)[self.transverse_rows]])
+        return np.concatenate([stress, self.whole.across(given, warp, weft)[self.read][self.transverse_rows]])
 
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
         """Return effects that these tests do not tell apart, whatever they read.
@@ -259,6 +263,8 @@ def fabric_problem(
     curves, rows, measured = curves_of(path, tests, stress)
     hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
+    way, near = cornered(path)
+    whole = Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
     ways = setups_of(path, tests, sized=False)
     replicated = sum(ways.count(way) > 1 for way in ways) > len(ways) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
@@ -283,6 +289,8 @@ def fabric_problem(
         units=units,
         starts=_best_by_law(law, path, stress, own, 1 if weft is None else 2),
         fabric=fabric,
+        whole=whole,
+        read=np.diff(near, prepend=-1) > 0,
         tests=tuple(tests),
         law=law,
         both=weft is not None,
