@@ -89,16 +89,19 @@ def likeliest(search: Search, before: Candidate, no_worse: Callable[[Candidate],
     limit = allowed(structured(before.fit, search.problem, search.noise, least))
     # Of few readings noise itself may leave more.
     limit = max(limit, TOLD * (2.0 / len(before.fit.residual)) ** 0.25)
-    near = [
-        state
-        for state in search.states
-        if state.ids
-        and np.isfinite(state.fit.chi2)
-        and structured(state.fit, search.problem, search.noise, least) <= limit
-    ]
-    # Of two that leave nothing at all, a formula of two names and a free law of one, the one name; of as many names the
-    # fewer constants.
-    for state in sorted(near, key=lambda one: (surprise(one), len(one.ids), len(one.fit.x))):
-        if explains(before, state) and _pays(search, state) and no_worse(state):
-            return state
-    return None
+    found, seen = None, 0
+    while len(search.states) > seen:  # what a model's names are held against, and so is fitted, may be the likelier
+        seen = len(search.states)
+        near = [
+            state
+            for state in search.states
+            if state.ids
+            and np.isfinite(state.fit.chi2)
+            and structured(state.fit, search.problem, search.noise, least) <= limit
+        ]
+        # Of two that leave nothing at all, a formula of two names and a free law of one, the one name; of as many names
+        # the fewer constants.
+        near.sort(key=lambda one: (surprise(one), len(one.ids), len(one.fit.x)))
+        paying = (one for one in near if explains(before, one) and _pays(search, one) and no_worse(one))
+        found = next(paying, None)
+    return found

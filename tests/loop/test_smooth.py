@@ -253,7 +253,7 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     curves = (Curve("t", 0, 1000, np.arange(1000.0)),)
     problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), plain="elastic-law")
     size = (1.0 + left**2) * 1000.0
-    forms = {name: SimpleNamespace(free=free and name == names[0]) for name in names}
+    forms = {name: SimpleNamespace(free=free and name == names[0], of_each=False) for name in names}
     fit = SimpleNamespace(residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms)
     noise = Noise(np.ones(len(fit.residual)), np.inf, "stated")
     judgement = SimpleNamespace(is_noise=False)
