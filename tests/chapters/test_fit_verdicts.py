@@ -329,3 +329,12 @@ def test_that_no_thickness_is_known_is_said_where_the_constants_are_shown(hf: Ru
     done = hf("fit", "--uniaxial", "a.csv", "--model", "neo-hookean", "-o", "a.json", cwd=tmp_path)
     [line] = [one for one in done.stderr.decode().splitlines() if one.startswith("no thickness is known")]
     assert line in json.loads((tmp_path / "a.json").read_text())["preparation"]
+
+
+@pytest.mark.parametrize(("rows", "told"), [(2, True), (3, False)])
+def test_as_many_constants_as_readings_are_told(hf: Run, tmp_path: Path, rows: int, told: bool) -> None:
+    lam = np.linspace(1.1, 1.5, rows)
+    name = write(tmp_path, "a.csv", lam, yeoh(0.2, 0.01, lam))
+    done = hf("fit", "--uniaxial", name, "--model", "yeoh-2", cwd=tmp_path)
+    assert done.returncode == 0
+    assert (b"as many constants as readings" in done.stderr) is told

@@ -49,6 +49,11 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
                 " or do not tell it"
             )
         sure = part.certainty
+        if len(part.fit.problem.rows.stress) <= len(sure.names):
+            found.append(
+                f"as many constants as readings{where}: nothing is left that tells how good the law is, or how sure "
+                "they are"
+            )
         weak = [
             f"{constant} ± {100 * sd / abs(value):.0f} %" if determined(value, sd) else f"{constant} not at all"
             for constant, value, sd in zip(sure.names, part.material.parameters.values(), sure.sd, strict=True)
