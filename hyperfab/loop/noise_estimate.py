@@ -13,7 +13,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, of_correlated, replicates, told_apart
-from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, ONE_CLOTH, TOLD, UNLIKELY
+from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, MOST, ONE_CLOTH, TOLD, UNLIKELY
 from hyperfab.loop.wandering import TRIED, restricted, wandering
 
 #: Of a normal distribution: standard deviation over median absolute deviation.
@@ -239,10 +239,13 @@ class _Compared:
     @cached_property
     def correlation(self) -> float:
         """Between neighbouring rows of one curve, where it is clearly one: by restricted likelihood."""
-        every = np.sum(self.free[:, None] * np.log(self.rests + 1e-300) + self.unlikely, axis=0)
+        alone = self.free[:, None] * np.log(self.rests + 1e-300) + self.unlikely
+        every = np.sum(alone, axis=0)
         best = int(np.argmin(every))
-        # Interpolating one replicate onto the other correlates a little: that claims nothing.
+        # Interpolating one replicate onto the other correlates a little: that claims nothing. Nor does one pair that
+        # differs as a smooth curve does, beside others that do not.
         clear = float(np.interp(self._alike[0], TRIED, every)) - every[best] > TOLD**2
+        clear = clear and self.free @ (alone[:, best] < alone[:, 0]) >= MOST * np.sum(self.free)
         return float(np.interp(TRIED[best], self._alike, TRIED)) if clear and TRIED[best] > self._alike[0] else 0.0
 
     def times(self, dof: float) -> float:
