@@ -111,7 +111,8 @@ def coincidence(state: Candidate, name: str) -> float:
     if between == 0 or within == 0:
         return 0.0
     p = max(float(fdtrc(between, within, apart * within / max(spread * between, 1e-300))), 1e-300)
-    return float(min(-np.log(-np.e * p * np.log(p)), MARGIN)) if p < 1.0 / np.e else 0.0
+    odds = -p * np.log(p) * np.exp(1.0)
+    return float(min(-np.log(odds), MARGIN)) if p < np.exp(-1.0) else 0.0
 
 
 def _means(values: Array, names: Sequence[str]) -> tuple[Array, int]:
