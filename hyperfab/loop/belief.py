@@ -17,6 +17,7 @@ from scipy.special import fdtrc
 
 from hyperfab.arrays import Array
 from hyperfab.loop.judge import Candidate, structured_of_each
+from hyperfab.loop.replicates import pulls
 from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL
 
 
@@ -99,12 +100,12 @@ def coincidence(state: Candidate, name: str) -> float:
     doi:10.1198/000313001300339950.
     """
     form = state.fit.forms[name]
-    curves = [curve for curve in state.problem.curves if curve.channel == 0 and not curve.beforehand]
-    if len(form.each) != len(curves):
-        return 0.0
-    each = state.fit.x[state.fit.place(name)][: len(curves)].copy()
+    curves = pulls(state.problem.curves)
+    each = state.fit.x[state.fit.place(name)][: len(form.each)].copy()
     each[1:] += each[0]
-    of_setup, setup = _means(each, [curve.setup or str(k) for k, curve in enumerate(curves)])
+    if len(each) != len(curves):
+        return 0.0
+    of_setup, setup = _means(each, [curve.setup for curve in curves])
     of_size, size = _means(each, [curve.size for curve in curves])
     between, within = setup - size, len(each) - setup
     apart, spread = float(np.sum((of_setup - of_size) ** 2)), float(np.sum((each - of_setup) ** 2))

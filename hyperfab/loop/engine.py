@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
 from hyperfab.loop.belief import Belief, belief, explains, outweighs_something_else, surprise
 from hyperfab.loop.confounding import indistinguishable, rivals
@@ -92,8 +93,10 @@ def close(
     if not np.any(wanders.sd > found.noise.sd):
         return found
     more = under(wanders, again=False)
-    # What is missed by far more than readings wander is none of their wandering, however few tell how far that is.
-    missed = more.verdict == "noise" and not _as_far(more.before, wanders)
+    # What is missed by far more than readings wander, all that neighbours have in common counted, is none of their
+    # wandering, however few tell how far that is.
+    left = (problem.measured - more.before.fit.predicted) / wanders.sd
+    missed = more.verdict == "noise" and not _within_noise(problem, left)
     if more.verdict == "unexplained" or missed or misses_more(apart, more.after.fit, found.after.fit):
         return found
     return more
@@ -220,19 +223,13 @@ def _no_more_than_noise(base: Candidate) -> bool:
 
     How large the noise is nobody knows so well that a name could rest on less.
     """
-    left = [
-        base.fit.residual[curve.rows]
-        for curve in base.problem.curves
-        if curve.stop - curve.start >= FEWEST and not curve.beforehand
-    ]
-    return base.judgement.structured == 0.0 and all(np.mean(one**2) <= TOLD**2 for one in left)
+    return base.judgement.structured == 0.0 and _within_noise(base.problem, base.fit.residual)
 
 
-def _as_far(base: Candidate, noise: Noise) -> bool:
-    """Whether no test is missed by more than its readings are off, all that neighbours have in common counted."""
-    off = (base.problem.measured - base.fit.predicted) / noise.sd
-    told = [curve for curve in base.problem.curves if curve.stop - curve.start >= FEWEST and not curve.beforehand]
-    return all(np.mean(off[curve.rows] ** 2) <= TOLD**2 for curve in told)
+def _within_noise(problem: Problem, left: Array) -> bool:
+    """Whether of no test more is ``left`` (rows,), in standard deviations of the noise, than readings are off by."""
+    told = [curve for curve in problem.curves if curve.stop - curve.start >= FEWEST and not curve.beforehand]
+    return all(np.mean(left[curve.rows] ** 2) <= TOLD**2 for curve in told)
 
 
 def _grow(search: Search, base: Candidate, most: int) -> tuple[Candidate, dict[str, Evidence]]:

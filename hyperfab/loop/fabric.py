@@ -264,7 +264,7 @@ def fabric_problem(
     hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
     way, near = cornered(path)
-    whole = Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
+    whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
     ways = setups_of(path, tests, sized=False)
     replicated = sum(ways.count(way) > 1 for way in ways) > len(ways) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)

@@ -135,7 +135,7 @@ def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> 
             for other_how, other_pace, other_size, other_way, name in found
             if other_how == how
             and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE)
-            and not (sized and np.any(np.abs(np.log(size / other_size)) > np.log(_ONE_SIZE)))
+            and not (sized and _is_larger_or_smaller(size, other_size))
             and _is_same_way(way, other_way)
         )
         found.append((how, pace, size, way, next(same, f"{how} {len(found)}")))
@@ -147,13 +147,22 @@ def _size(test: TestCurve) -> Array:
     return np.array([test.thickness_mm, test.width_mm, test.gauge_length_mm], dtype=np.float64)
 
 
+def _is_larger_or_smaller(one: Array, other: Array) -> bool:
+    """Whether a specimen is of another size than another, in what is stated of both."""
+    return bool(np.any(np.abs(np.log(one / other)) > np.log(_ONE_SIZE)))
+
+
 def _sizes_of(tests: Sequence[TestCurve]) -> list[str]:
     """Return what each test shares with those of specimens of its size, as far as that is stated."""
     found: list[Array] = []
     names = []
     for test in tests:
         size = _size(test)
-        same = (k for k, one in enumerate(found) if np.allclose(size, one, rtol=_ONE_SIZE - 1.0, equal_nan=True))
+        same = (
+            k
+            for k, one in enumerate(found)
+            if np.array_equal(np.isnan(size), np.isnan(one)) and not _is_larger_or_smaller(size, one)
+        )
         names.append(str(next(same, len(found))))
         found += [size] if names[-1] == str(len(found)) else []
     return names

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,12 @@ from hyperfab.numerics.hygiene import turns
 
 #: Specimens that what is usual of one cloth counts for, beside those that were compared.
 CLOTH_COUNTS = 2.0
+
+
+def pulls(curves: Sequence[Curve]) -> list[Curve]:
+    """Return the curves of the first channel that were read; where no set-up is told each has its own."""
+    read = [curve for curve in curves if curve.channel == 0 and not curve.beforehand]
+    return [replace(curve, setup=curve.setup or str(k)) for k, curve in enumerate(read)]
 
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:

@@ -13,6 +13,7 @@ from hyperfab.loop.heldout import Help, help_of
 from hyperfab.loop.judge import Candidate, Evidence, Level, correlation_time, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
+from hyperfab.loop.replicates import pulls
 from hyperfab.loop.score import points_at
 from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL, TOLD, UNLIKELY
 from hyperfab.numerics.gram import inverse
@@ -382,11 +383,11 @@ def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
     of = np.eye(place.stop - place.start)
     of[1:, 0] = 1.0
     values, covariance = of @ fitted.x[place], scale**2 * of @ fitted.covariance[place, place] @ of.T
-    setups = np.array([curve.setup or str(k) for k, curve in enumerate(curves) if curve.channel == 0])
-    alike = setups[:, None] == setups
+    led = np.array([curve.setup for curve in pulls(curves)])
+    alike = led[:, None] == led
     about = np.eye(len(values)) - alike / alike.sum(axis=1)
     apart = about @ values
-    free = len(values) - len(set(setups))
+    free = len(values) - len({*led})
     odd = float(apart @ inverse(about @ covariance @ about.T, 1e-9) @ apart)
     if free and chdtrc(free, odd) < UNLIKELY:
         return False
