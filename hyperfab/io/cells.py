@@ -6,8 +6,16 @@ import re
 from collections.abc import Sequence
 
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+)(?:[eE][+-]?\d+)?\s?%?")
-_CLOCK = re.compile(
-    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*(?:\d{1,3}:\d{2}(?::\d{2}(?:[.,]\d+)?)?)?\s?(?:[AaPp]\.?[Mm]\.?|Z)?"
+#: A day, a time of day or both, with the zone: 4.5.2026 9:30, 2026-05-04T09:30:00.5+02:00, 9:30 a. m.; what stands in
+#: two parts may have a fraction, and some loggers part that by a colon.
+MOMENT = re.compile(
+    r"(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T ]*"
+    r"(?:(?P<h>\d{1,4}):(?P<m>\d{2})(?::(?P<s>\d{2}))?(?P<part>[.,:]\d+)?)?"
+    r"\s?(?P<half>[AaPp]\.?\s?[Mm]\.?)?(?:Z|(?P<zone>[+-]\d{2}:?\d{2}))?"
+)
+#: The same in letters: 9h58m41s, 2 m 10.5 s.
+SPELLED = re.compile(
+    r"(?:(?P<h>\d{1,4})\s?h\s?)?(?P<m>\d{1,4})\s?m(?:in)?\s?(?P<s>\d{1,2})(?P<part>[.,]\d+)?\s?s(?:ec)?"
 )
 _PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 #: What spreadsheets and machines write where there is no reading.
@@ -24,11 +32,8 @@ def is_number(cell: str) -> bool:
 
 def is_clock(cell: str) -> bool:
     """Whether a cell is a date, a time of day, or both."""
-    return (
-        len(cell) > 3
-        and (":" in cell or cell.count(".") == 2 or cell.count("-") == 2 or cell.count("/") == 2)
-        and (_CLOCK.fullmatch(cell) is not None)
-    )
+    dated = ":" in cell or cell.count(".") == 2 or cell.count("-") == 2 or cell.count("/") == 2
+    return len(cell) > 3 and ((dated and MOMENT.fullmatch(cell) is not None) or SPELLED.fullmatch(cell) is not None)
 
 
 def shape(cells: Sequence[str], title: str = "", stress: Sequence[str] = ()) -> str:

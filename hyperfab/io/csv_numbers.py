@@ -13,6 +13,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
+from hyperfab.io.cells import MOMENT, SPELLED
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
@@ -241,28 +242,60 @@ def _all_percent(cells: Sequence[str]) -> bool:
 def seconds(sheet: CsvSheet, heading: Heading) -> Array:
     """Return a column of times of day, durations or moments as seconds from its first row, past midnight too.
 
-    Raises InputError naming the cell that is none.
+    Of two parts, 12:30, the first are hours or minutes as the title says (``mm:ss``, a unit ``min``) or other cells do.
+
+    Raises InputError naming the cell that is none, or the first that counts up from 0:00 where nothing says which.
     """
+    cells = sheet.columns[heading.index]
+    minutes_first: bool | None = None
     found: list[float] = []
-    for row, cell in enumerate(sheet.columns[heading.index]):
-        match = _MOMENT.fullmatch(cell)
-        if match is None:
+    for row, cell in enumerate(cells):
+        match = MOMENT.fullmatch(cell) or SPELLED.fullmatch(cell)
+        if match is None or match["m"] is None:
             raise _bad_cell("is no time", cell, sheet, heading, row)
-        hours, minutes, rest = (float((match[name] or "0").replace(",", ".")) for name in ("h", "m", "s"))
-        if match["half"]:
-            hours = hours % 12 + (12 if match["half"][0] in "pP" else 0)
-        days = _day(match["date"]) if match["date"] else 0
-        found.append(86400.0 * days + 3600.0 * hours + 60.0 * minutes + rest)
+        told = match.groupdict()
+        parts = [int(told["h"] or 0), int(told["m"]), int(told["s"] or 0)]
+        if told["s"] is None:
+            if minutes_first is None:
+                minutes_first = _minutes_first(sheet, heading)
+            parts = [0, *parts[:2]] if minutes_first else parts
+        if told.get("half"):
+            parts[0] = parts[0] % 12 + (12 if told["half"][0] in "pP" else 0)
+        days = _day(told["date"]) if told.get("date") else 0
+        hours, minutes, whole = parts
+        moment = 86400.0 * days + 3600.0 * hours + 60.0 * minutes + whole + float(f"0.{(told['part'] or '.0')[1:]}")
+        found.append(moment - _zone(told.get("zone")))
     moments = np.array(found)
-    if not any("-" in cell or "/" in cell for cell in sheet.columns[heading.index][:1]):
+    if not any("-" in cell or "/" in cell for cell in cells[:1]):
         moments = moments + 86400.0 * np.concatenate([[0.0], np.cumsum(np.diff(moments) < -43200.0)])
     return np.asarray(moments - moments[0])
 
 
-_MOMENT = re.compile(
-    r"(?P<date>\d{1,4}[-./]\d{1,2}[-./]\d{1,4})?[T "
-    r"]*(?P<h>\d{1,4}):(?P<m>\d{2})(?::(?P<s>\d{2}(?:[.,:]\d+)?))?\s?(?P<half>[AaPp]\.?[Mm]\.?)?Z?"
-)
+def _minutes_first(sheet: CsvSheet, heading: Heading) -> bool:
+    """Return whether a clock of two parts tells minutes and seconds, not hours and minutes."""
+    titled = re.search(r"\b(hh?:mm?|mm?:ss?)\b(?!:)", heading.title.casefold())
+    if heading.unit in ("h", "min") or (titled and heading.title[titled.start() - 1 : titled.start()] != ":"):
+        return heading.unit == "min" or (titled is not None and titled[1].startswith("m"))
+    matches = [match for cell in sheet.columns[heading.index] if (match := MOMENT.fullmatch(cell))]
+    # Seconds have a fraction, and a clock that goes on as 1:00:00 had minutes before; a day and its halves have hours.
+    if any(match["part"] or match["s"] for match in matches):
+        return True
+    if any(match["date"] or match["half"] or match["zone"] for match in matches) or int(matches[0]["h"] or 1) > 0:
+        return False
+    options = [sheet.option([(heading.title, f"time [{unit}]")]) for unit in ("h", "min")]
+    raise sheet.wrong(
+        f"{sheet.columns[heading.index][-1]}: hours and minutes, or minutes and seconds?",
+        heading,
+        remedy=f"say {options[0]} for hours, {options[1]} for minutes first",
+    )
+
+
+def _zone(text: str | None) -> float:
+    """Return the seconds that a zone, as +02:00, is ahead."""
+    if text is None:
+        return 0.0
+    hours, minutes = int(text[1:3]), int(text[-2:])
+    return (3600.0 * hours + 60.0 * minutes) * (-1.0 if text[0] == "-" else 1.0)
 
 
 def _day(text: str) -> int:

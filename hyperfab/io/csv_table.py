@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -134,7 +135,7 @@ def _moments(sheet: CsvSheet) -> Heading | None:
     """Return the first column that tells a time of day in every row, whatever it is called: a logger's clock."""
     for one in sheet.headings:
         cells = sheet.columns[one.index]
-        if one.name != "aside" and cells and all(":" in cell and is_clock(cell) for cell in cells):
+        if one.name != "aside" and cells and all(re.search(r"\d ?[:hm]", cell) and is_clock(cell) for cell in cells):
             return one
     return None
 

@@ -223,6 +223,39 @@ def test_a_loggers_clock_is_the_time_whatever_it_is_called(head, moments) -> Non
     assert table["cup"].tolist() == [25.5, 26.5, 27.5]
 
 
+@pytest.mark.parametrize(
+    ("head", "moments"),
+    [
+        ("Time (mm:ss)", ("00:00", "00:30", "01:30")),  # not hours and minutes, sixty times as long
+        ("Time [min]", ("00:00", "00:30", "01:30")),
+        ("Time (hh:mm)", ("00:00", "00:01", "00:02")),
+        ("Time", ("00:00.0", "00:30.0", "01:30.0")),  # as spreadsheets export an hour and less
+        ("Elapsed", ("59:00", "59:30", "1:00:30")),
+        ("Time", ("9:58", "9:59", "10:00")),
+        ("time", ("9h58m41s", "9h59m11s", "10h00m11s")),
+        ("time", ("0m0s", "0 m 30 s", "1 m 30.0 s")),
+        ("Time", ("05/04/2023 09:58:41:120", "05/04/2023 09:59:11:120", "05/04/2023 10:00:11:120")),
+        ("", ("2023-05-04T09:58:41+02:00", "2023-05-04T09:59:11+02:00", "2023-05-04T09:00:11+01:00")),
+        ("Fecha y hora", ("04/05/2023 11:59:30 a. m.", "04/05/2023 12:00:00 p. m.", "04/05/2023 12:01:00 p. m.")),
+    ],
+)
+def test_clocks_of_two_parts_in_letters_and_with_zones(head, moments) -> None:
+    rows = "".join(f"{moment};{25 + i},5\n" for i, moment in enumerate(moments))
+    table = read_table(f"{head};cup [\u00b0C]\n{rows}".encode(), "log.csv", {"time": "time"}, rest="temperature")
+    apart = [0.0, 60.0, 120.0] if moments[0] in ("9:58",) or "hh" in head else [0.0, 30.0, 90.0]
+    assert table["time"].tolist() == pytest.approx(apart, abs=1e-6)
+
+
+def test_what_counts_up_in_two_parts_is_hours_or_minutes_by_its_unit() -> None:
+    log = b"Time;cup [degC]\n00:00;20\n00:30;21\n01:30;22\n"
+    with pytest.raises(InputError, match="01:30: hours and minutes, or minutes and seconds") as caught:
+        read_table(log, "log.csv", {"time": "time"}, rest="temperature")
+    assert '"Time=time [min]" for minutes' in str(caught.value)
+    for unit, apart in (("min", [0.0, 30.0, 90.0]), ("h", [0.0, 1800.0, 5400.0])):
+        told = layout([f"Time=time [{unit}]"])
+        assert read_table(log, "log.csv", {"time": "time"}, rest="temperature", layout=told)["time"].tolist() == apart
+
+
 def test_a_date_alone_is_no_time() -> None:
     with pytest.raises(InputError, match="has no column time"):
         read_table(b"Datum;T [degC]\n14.03.2025;20\n15.03.2025;21\n", "log.csv", {"time": "time"}, rest="temperature")
