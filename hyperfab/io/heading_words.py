@@ -292,7 +292,8 @@ TESTS: dict[str, str] = {
         stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩; 压缩试验; 圧縮;
         圧縮試験; сжатие""",
     "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
-        method; zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
+        method; bias extension; bias tension;
+        zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
         traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1; iso
         37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验;
         単軸引張; 引張; 引張試験; растяжение""",
@@ -308,6 +309,8 @@ DIRECTIONS: dict[str, str] = {
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung;
         maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; sens travers; rangee;
         fila""",
+    "bias": """bias; bias extension; bias tension; bias direction; bias cut; bias strip; diagonal; diagonal direction;
+        schrag; schragrichtung; diagonalrichtung; biais; sens biais; sesgo; al sesgo; sbieco; vies""",
 }
 BRANCHES: dict[str, str] = {
     "load": """load; loading; up; forward; extension; stretch; belastung; belasten; hin; hinweg; carga; charge;

@@ -23,8 +23,23 @@ from hyperfab.io.roles import Column, Roles
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
 
+#: Degrees from the warp by the words of a direction.
+_DEGREES_OF = {**DIRECTIONS, "bias": 45.0}
 #: Words of a direction that mean another thing in a name.
-_UNSURE = ("length", "machine", "fill", "filling", "cross", "columna", "columnas", "fila", "colonne", "teia")
+_UNSURE = (
+    "bias",
+    "diagonal",
+    "length",
+    "machine",
+    "fill",
+    "filling",
+    "cross",
+    "columna",
+    "columnas",
+    "fila",
+    "colonne",
+    "teia",
+)
 #: What one of these stands before is measured that way, not cut: transverse strain.
 _MEASURED = ("strain", "stretch", "contraction", "extension", "deformation", "dehnung", "gauge", "extensometer", "wave")
 #: An angle in a name, ``45deg`` or ``45 \u00b0``, but no temperature; strips are cut at multiples of 15.
@@ -32,8 +47,11 @@ _ANGLE = re.compile(
     r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
 )
 _CUT = 15
-#: A cycle and which part of it a machine was in: 1-Preload, 2-Stretch, 2-Recover.
+#: A cycle and which part of it a machine was in: 1-Preload, 2-Stretch, 2-Recover; or its number behind a word: Cycle 2.
 _PART = re.compile(r"(\d{1,9}) ?[-_:] ?[^\W\d][\w ]*")
+_COUNTED = re.compile(
+    r"(?:cycle|cycl|cyc|zyklus|ciclo|loop|c|n)[ _.:-]*(\d{1,9})|(\d{1,9})(?:st|nd|rd|th|\.)?(?: ?cycle)?", re.IGNORECASE
+)
 #: What makes the number of degrees beside it a temperature, or the angle of a peel or a bend: washed_60deg, 90deg peel.
 _BESIDE = r"(?:wash|bath|water|oven|temp|heat|cured|annealed|peel|bend|gewaschen|ofen|bad)[a-z]*"
 _DEGREES = r"\d{1,3}\s?(?:deg|\u00b0|grad)[a-z]*"
@@ -46,7 +64,9 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     column = columns.columns.get("direction")
     if column is None:
         entry = stated(sheet, "direction")
-        value = next((told for told in map(_in_name, names_of(sheet.name)) if told is not None), None)
+        titles = [one.value for one in sheet.metadata.get("test", []) if _in_name(one.value) == _DEGREES_OF["bias"]]
+        names = [*names_of(sheet.name), *titles]  # a bias extension test pulls at 45 degrees
+        value = next((told for told in map(_in_name, names) if told is not None), None)
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         if entry is None and value is None and "specimen" in columns.columns:
@@ -74,14 +94,16 @@ def _in_name(name: str) -> float | None:
     (45.0, None, None, 0.0)
     >>> _in_name("pull on the old machine"), _in_name("washed_60deg"), _in_name("washed 60deg_bias 45deg")
     (None, None, 45.0)
+    >>> _in_name("Bias extension test"), _in_name("bias corrected")
+    (45.0, None)
     """
     found = set()
     for word, after in pairwise([*plain(name).split(), ""]):
         told = (word_for(f"{word} {after}", "DIRECTIONS") if after else None) or (
             word_for(word, "DIRECTIONS") if word not in _UNSURE else None
         )
-        if told and after not in _MEASURED and not after.startswith(("knit", "wirk")):
-            found.add(DIRECTIONS[told])
+        if told and (told == "bias" or after not in _MEASURED) and not after.startswith(("knit", "wirk")):
+            found.add(_DEGREES_OF[told])
     text = name.replace("_", " ").casefold()
     angles = _ANGLE.findall(_NO_CUT.sub(" ", text))
     found.update(float(angle) for angle in angles if int(angle) % _CUT == 0 and int(angle) < 180)
@@ -92,9 +114,9 @@ def _degrees(text: str) -> float | None:
     """Return the angle from the warp that a word or a number tells, or None."""
     named = word_for(text, "DIRECTIONS")
     if named is not None:
-        return DIRECTIONS[named]
+        return _DEGREES_OF[named]
     match = re.fullmatch(
-        r"([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
+        r"(?:\u00b1|\+/-)?\s*([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
         text.strip().casefold(),
         re.ASCII,
     )
@@ -105,6 +127,7 @@ def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) ->
     found = _degrees(text)
     if found is not None:
         return found
+    other = "branch" if word_for(text, "BRANCHES") else "aside"
     raise InputError(
         f"{text[:40] or 'an empty cell'} is no direction",
         file=sheet.name,
@@ -112,7 +135,7 @@ def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) ->
         column=column.title if column else None,
         key=None if column else "direction",
         remedy="write warp, weft or degrees from the warp"
-        + (f", or say {sheet.option([(column.title, 'aside')])}" if column else ""),
+        + (f", or say {sheet.option([(column.title, other)])}" if column else ""),
     )
 
 
@@ -211,10 +234,13 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> 
         if parts and all(parts):
             notes.append(f"{column.heading.title} tells a cycle and its part: the number is taken")
             return np.array([int(part[1]) for part in parts if part], dtype=np.int64)
+        counted = [_COUNTED.fullmatch(cell) for cell in sheet.columns[column.heading.index]]
+        if counted and all(counted):
+            return np.array([int(one[1] or one[2]) for one in counted if one], dtype=np.int64)
         values = numbers(sheet, column.heading, decimal)
         # Machines count those done, from nought, in halves and quarters: 0.5 where the first turns back.
-        counted = len(values) > 0 and float(values.min()) == 0.0
-        if counted and np.any(values != np.round(values)) and np.all(4.0 * values == np.round(4.0 * values)):
+        from_nought = len(values) > 0 and float(values.min()) == 0.0
+        if from_nought and np.any(values != np.round(values)) and np.all(4.0 * values == np.round(4.0 * values)):
             notes.append(f"{column.heading.title} counts parts of cycles: the whole ones done are taken")
             values = np.floor(values)
     elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):

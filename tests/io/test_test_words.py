@@ -39,10 +39,33 @@ def one(text: str, test: str | None = "uniaxial"):
         ("trame", 90.0),
         ("Laufrichtung", 0.0),
         ("sens travers", 90.0),
+        ("bias", 45.0),
+        ("schr\u00e4g", 45.0),
+        ("\u00b145\u00b0", 45.0),
     ],
 )
 def test_a_direction_is_so_many_degrees_from_the_warp(word: str, degrees: float) -> None:
     assert one(f"# direction: {word}\n" + ROWS).direction == degrees
+
+
+def test_a_bias_extension_test_pulls_at_45_degrees_though_no_name_tells() -> None:
+    text = "Bias extension test\n" + ROWS
+    [found] = read_tests(text.encode(), "k7.csv")
+    assert (found.mode, found.direction) == ("uniaxial", 45.0)
+    told = one("# direction: warp\n" + text)
+    assert told.direction == 0.0
+    assert one("Tensile test, bias tape\n" + ROWS).direction is None
+
+
+def test_a_direction_that_is_a_branch_is_asked_for_as_one() -> None:
+    with pytest.raises(InputError, match="Direction=branch"):
+        one("Direction,stretch [-],stress [MPa]\nup,1,0\nup,1.2,0.1\ndown,1,0\n")
+
+
+@pytest.mark.parametrize("cells", [("Cycle 1", "Cycle 2"), ("cycle_1", "cycle_2"), ("1st", "2nd cycle"), ("C1", "C2")])
+def test_cycles_may_be_numbered_beside_a_word(cells: tuple[str, str]) -> None:
+    rows = "".join(f"{cell},1,0\n{cell},1.2,0.1\n{cell},1.5,0.4\n" for cell in cells)
+    assert one("Cycle,stretch [-],stress [MPa]\n" + rows).cycle.tolist() == [1, 1, 1, 2, 2, 2]
 
 
 @pytest.mark.parametrize(("word", "sign"), [("load", 1), ("loading", 1), ("unload", -1), ("unloading", -1)])
