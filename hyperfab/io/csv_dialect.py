@@ -35,6 +35,8 @@ from hyperfab.io.xlsx import NOT_COMPUTED, is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.
 _COMMENT = re.compile(r"^(?:%|//)+(?=[ \t]*[^\W\d_]{2,})")
+#: Where LabVIEW ends what it writes above its readings: of the file, then of their channels.
+_END_OF_HEADER = "***End_of_Header***"
 #: A comment of so few words may name the test.
 _WORDS = 4
 #: Rows from which the head of a long file is told.
@@ -63,6 +65,9 @@ def open_sheets(
     if is_workbook(data):
         return _of_workbook(data, name, picked, fits, layout)
     lines = lines_of(decode(data, name, layout.titles), name)
+    ends = [number for number, line in enumerate(lines[:_WINDOW], 1) if line.startswith(_END_OF_HEADER)]
+    if ends and layout.skip_rows is None:
+        layout = replace(layout, skip_rows=ends[-1])
     metadata, body, separator = _comments(lines, layout)
     if not body:
         raise InputError("has no header and no rows", file=name, remedy="a table with a header line is expected")

@@ -15,7 +15,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import fold, reading
+from hyperfab.io.dictionary import Meaning, fold, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
@@ -86,7 +86,7 @@ def read_table(
 
     offered = layout is not None
     layout = layout or PLAIN
-    sought = [_titled(column, kind) for column, kind in columns.items()]
+    sought = [_titled(column, kind) for column, kind in (columns or dict([*(optional or {}).items()][:4])).items()]
     sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
     wanted: dict[str, tuple[Heading, str]] = {}
     for column, asked in {**columns, **(optional or {})}.items():
@@ -111,7 +111,8 @@ def read_table(
         probes = {fold(one) for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and fold(one.name) in probes]
         if len(wanted) == len(taken) or bare:
-            raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken))
+            raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken), called)
+    _check_units(sheet, wanted)
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
     named = {**columns, **(optional or {})}
     values = {
@@ -129,6 +130,21 @@ def read_table(
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+
+
+def _check_units(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> None:
+    """InputError where several columns lack the unit of their kind, with those that are likely for all of them."""
+    bare = [
+        (heading, f"{column} [{KINDS[kind].unit}]")
+        for column, (heading, kind) in wanted.items()
+        if heading.unit is None and KINDS[kind].unit != "1" and not is_clock(sheet.columns[heading.index][0])
+    ]
+    if len(bare) > 1:
+        raise sheet.wrong(
+            f"{', '.join(one.title for one, _ in bare)} have no unit",
+            remedy=f'write it behind the name, as in "{bare[0][1]}", or say '
+            + sheet.option([(one.title, told) for one, told in bare]),
+        )
 
 
 def _moments(sheet: CsvSheet) -> Heading | None:
@@ -166,11 +182,17 @@ def _others(sheet: CsvSheet, taken: set[int], kind: str) -> Sequence[Heading]:
     return found
 
 
-def _none_of(sheet: CsvSheet, rest: str, bare: Sequence[Heading], asked: Mapping[str, str], some: bool) -> InputError:
+def _none_of(
+    sheet: CsvSheet, rest: str, bare: Sequence[Heading], asked: Mapping[str, str], some: bool, called: Sequence[str]
+) -> InputError:
     """Return the error that no column is of a kind, or, where ``some`` are, that those called as expected are ``bare``
     of a unit: with their unit filled in."""
     unit = KINDS[rest].unit
     own = [(one.title, f"{rest} [{unit}]") for one in bare]
+    own += [
+        (one.title, f"{probe} [{unit}]") for one in sheet.headings for probe in called
+        if one.unit is None and fold(one.title) in (f"{fold(probe)} c", f"{fold(probe)} degc")
+    ]  # fmt: skip
     unsaid = [one for one in sheet.headings if one.unit is None and one.name in asked]
     others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in unsaid]
     return sheet.wrong(
@@ -187,7 +209,7 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
         one.title.strip() or f"#{one.index + 1}"
         for one in sheet.headings
         if one.name not in columns
-        and (one.unit is None or is_of(one.unit, kind))
+        and (is_of(one.unit, kind) if one.unit is not None else meaning(one) != Meaning("aside"))
         and any(map(is_number, sheet.columns[one.index][:5]))
     ]
     settles = f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""

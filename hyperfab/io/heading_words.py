@@ -117,6 +117,12 @@ COLUMNS: dict[str, str] = {
         provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp""",
     "test": "test; test kind; test mode; deformation mode; mode",
 }
+#: Titles that are a unit and say by it that they are the time; LabVIEW's ``X_Value`` counts seconds.
+TIMES: dict[str, str] = {
+    "s": "seconds; secs; sekunden; segundos; secondes; secondi; saniye; x value",
+    "min": "minutes; mins; minuten; minutos; minuti; dakika",
+    "h": "hours; hrs; stunden; horas; heures; saat",
+}
 #: The same for compression, where machines count pushing as positive.
 COMPRESSIVE: dict[str, str] = {
     "strain": """compressive strain; compression strain; compressive strain compression; stauchung; nennstauchung;
@@ -169,7 +175,7 @@ ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of d
         commentaire; remarque; commento; nota; energy; work; arbeit; energia; energie; travail; lavoro; trabalho;
         tenacity; feinheitsfestigkeit; status; flag; event; marker; step; segment; phase; power; torque; moment;
         drehmoment; modulus; modul; storage modulus; loss modulus; complex modulus; tan delta; tan;
-        complex viscosity; phase angle; raw phase; speichermodul; verlustmodul; verlustfaktor;
+        tan d; loss factor; complex viscosity; phase angle; raw phase; speichermodul; verlustmodul; verlustfaktor;
         count; zahler; counter; humidity; luftfeuchte; feuchte; humedad; humidite;
         umidita; umidade; operator; pruefer; prufer; x; y; z; poisson ratio; querkontraktionszahl; area; flache;
         width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no"""

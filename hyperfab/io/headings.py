@@ -247,6 +247,10 @@ def heading(title: str, index: int) -> Heading:
         match = re.fullmatch(pattern, label)
         if match and (unit := beside(match[2])) is not None and not is_known(label):
             return Heading(title, match[1].strip(), unit, index)
+    if (
+        unit := next((one for one, told in heading_words.TIMES.items() if plain(label) in words(told)), None)
+    ) is not None:
+        return Heading(title, "time", unit, index)
     return Heading(title, label or title, None, index)
 
 

@@ -10,8 +10,8 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import is_length, is_number, plain_values, shape
 from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, measured
-from hyperfab.io.headings import KIND, Heading, heading, is_of, is_unread, meaning, unit_of, unread_unit
+from hyperfab.io.dictionary import Meaning, looked_up, measured, plain
+from hyperfab.io.headings import KIND, Heading, heading, in_unit, is_of, is_unread, meaning, unit_of, unread_unit
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, STRONGEST, Column, Roles, state_of
 from hyperfab.io.units import is_unit
 
@@ -75,6 +75,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
         and not any(column.heading.index == one.index for column in found.columns.values())
         and not is_unread(one) and not _is_aside(one)
     ]  # fmt: skip
+    numeric = [one for one in numeric if not _gainsaid(one)]
     rest = [one for one in numeric if not ((own := _own_unit(one)) and is_unit(own))]
     places = ("", " 2") if _two_axes(sheet, have, rest) else ("",)
     for one in numeric:
@@ -112,6 +113,13 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
 def _own_unit(head: Heading) -> str | None:
     """Return a column's unit; a head may be of units alone, but l1 is a letter of an axis, L a length and F a force."""
     return head.unit or (None if re.fullmatch(r"[A-Za-z]_?\d|[FLl]", head.title) else unit_of(head.title))
+
+
+def _gainsaid(head: Heading) -> bool:
+    """Whether a column's words, or letter, and its unit are of two things: E' in MPa is a modulus."""
+    told = [made for one in looked_up(plain(head.label)) if (made := in_unit(one, head.unit)) is not None]
+    kinds = [KIND[one.name] for one in told if one.name in KIND]
+    return head.unit is not None and bool(kinds) and not any(is_of(head.unit, kind) for kind in kinds)
 
 
 def _two_axes(sheet: CsvSheet, have: set[str], rest: Sequence[Heading]) -> bool:

@@ -9,7 +9,7 @@ import pytest
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
-from hyperfab.io.layout import layout
+from hyperfab.io.layout import PLAIN, layout
 from hyperfab.io.rows import MAX_ROWS
 
 FILM = {"temperature": "temperature", "h": "film-coefficient"}
@@ -162,8 +162,8 @@ def test_a_column_that_is_set_aside_is_no_probe() -> None:
 
 
 def test_a_column_that_nothing_names_is_proposed_where_the_command_has_the_option() -> None:
-    data = b"X_Value,Comment,T1 [degC]\n0,,25\n60,,31.5\n"
-    with pytest.raises(InputError, match=re.escape('--columns "X_Value=time [s]"')):
+    data = b"Abscissa,Comment,T1 [degC]\n0,,25\n60,,31.5\n"
+    with pytest.raises(InputError, match=re.escape('--columns "Abscissa=time [s]"')):
         read_table(data, "t.lvm", {"time": "time"}, rest="temperature", layout=layout())
     with pytest.raises(InputError, match="has no column time") as caught:
         read_table(data, "schedule.csv", {"time": "time"}, rest="temperature")
@@ -266,3 +266,43 @@ def test_a_column_that_is_said_to_be_two_things_is_refused(columns: list[str]) -
     with pytest.raises(UsageError, match="Kraft is said to be two things"):
         layout(columns)
     assert len(layout(["Kraft=force [N],Weg=extension [mm]", "Kraft=force [N]"]).columns) == 2
+
+
+@pytest.mark.parametrize(
+    ("title", "step"), [("Minutes", 60.0), ("Seconds", 1.0), ("Stunden", 3600.0), ("X_Value", 1.0)]
+)
+def test_a_title_that_is_a_unit_of_time_is_the_time(title: str, step: float) -> None:
+    table = read_table(f"{title}\tcup [C]\n0\t20\n2\t21\n".encode(), "log.lvm", {"time": "time"}, rest="temperature")
+    assert table["time"].tolist() == [0.0, 2.0 * step]
+
+
+def test_a_message_proposes_no_column_that_is_known_to_be_something_else() -> None:
+    with pytest.raises(InputError, match="has no column x0") as caught:
+        read_table(b"Point,X,Y,Z\n1,2,3,4\n", "a.csv", dict.fromkeys(("x0", "x", "y", "z"), "length"), layout=PLAIN)
+    assert "Point=" not in str(caught.value)
+
+
+def test_columns_without_units_are_told_at_once() -> None:
+    with pytest.raises(InputError, match="X0, Y0 have no unit") as caught:
+        read_table(b"X0,Y0\n1,2\n", "a.csv", {"x0": "length", "y0": "length"})
+    assert '"X0=x0 [mm],Y0=y0 [mm]"' in str(caught.value)
+
+
+def test_a_probe_with_a_letter_for_its_unit_is_asked_for_in_degrees() -> None:
+    with pytest.raises(InputError) as caught:
+        read_table(
+            b"time_s,centre_c,edge_c\n0,20,21\n",
+            "a.csv",
+            {"time": "time"},
+            rest="temperature",
+            called=["centre", "edge"],
+        )
+    assert '"centre_c=centre [degC],edge_c=edge [degC]"' in str(caught.value)
+
+
+def test_a_labview_measurement_begins_behind_its_last_header() -> None:
+    head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\nChannels\t2\t\t\nSamples\t2\t2\t\n"
+    head += "Y_Unit_Label\tDeg C\tDeg C\t\nX_Dimension\tTime\tTime\t\nX0\t0.0E+0\t0.0E+0\t\n***End_of_Header***\t\t\t\n"
+    text = head + "X_Value\tcup [C]\tedge [C]\tComment\n0.0\t20.5\t21\t\n10.0\t22.5\t23\t\n"
+    table = read_table(text.encode(), "log.lvm", {"time": "time"}, rest="temperature")
+    assert (table["time"].tolist(), table["edge"].tolist()) == ([0.0, 10.0], [21.0, 23.0])

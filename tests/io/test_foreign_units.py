@@ -42,8 +42,12 @@ def test_what_is_proposed_is_one_stretch_and_one_stress(head: str, option: str) 
     assert f"--columns {option}" in str(found.value)
 
 
-def test_no_modulus_of_a_sweep_is_proposed_as_a_strain() -> None:
-    text = table("Storage modulus,Loss modulus,Tan(delta),Frequency", "Pa,Pa,,Hz")
+@pytest.mark.parametrize(
+    "heads",
+    [("Storage modulus,Loss modulus,Tan(delta),Frequency", "Pa,Pa,,Hz"), ("Temp./\u00b0C,Time/min,E'/MPa,tan d",)],
+)
+def test_no_modulus_of_a_sweep_is_proposed_as_a_strain(heads: tuple[str, ...]) -> None:
+    text = table(*heads)
     with pytest.raises(InputError) as found:
         read_tests(text, "a.csv", test="uniaxial", geometry=STRIP)
     assert "no column gives" in str(found.value)

@@ -30,6 +30,7 @@ from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
+from hyperfab.io.headings import heading, is_of
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.press import PressProblem, press_problem
@@ -128,7 +129,7 @@ def read_press(
         return Reading(name, "fabric", table["thickness"], load=table["pressure"]), spread(table, "thickness")
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
-        unread = [(title, "pressure [MPa]") for title in table.aside[-1:] if not kinds]
+        unread = [] if kinds else _likely(table)
         raise InputError(
             "is no reading of a press",
             file=name,
@@ -146,6 +147,16 @@ def read_press(
     if kind == "mounting":
         values = values - np.mean(values)
     return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(table, kinds[0])
+
+
+def _likely(table: Table) -> list[tuple[str, str]]:
+    """Return what columns that were not read are by their units, for a message; else the last a pressure."""
+    placed = all(axis in table for axis in "xyz")
+    names = {"stress": "pressure", "length": "thickness"} if placed else {"length": "stroke", "force": "force"}
+    heads = [heading(title, 0) for title in table.aside]
+    told = [(one, next((name for kind, name in names.items() if is_of(one.unit or "", kind)), None)) for one in heads]
+    bare = [(one.title, "pressure [MPa]") for one in heads[-1:] if one.unit is None]
+    return [(one.title, f"{name} [{one.unit}]") for one, name in told if name] or bare
 
 
 def _time(table: Table) -> Array | None:

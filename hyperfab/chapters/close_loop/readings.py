@@ -16,6 +16,7 @@ from hyperfab.chapters.fit.prepare import broken
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
+from hyperfab.io.dictionary import plain
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity, quantity_of
 from hyperfab.loop.fitting import Fit
@@ -342,8 +343,11 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
         remedy = f'call a [[probe]] so (name = "{strange[0]}")'
         taken = {column.casefold() for column in columns}
         free = [probe for probe in probes if probe.casefold() not in taken]
-        if free:
-            remedy += f", or say which it is, as in {filled_in([*told, (strange[0], f'{free[0]} [degC]')])}"
+        if free:  # centre Ave. is likely the centre
+            named = [(one, probe) for one in strange for probe in free if f" {plain(probe)} " in f" {plain(one)} "]
+            likely = named if len(dict(named)) == len({probe for _, probe in named}) == len(named) else []
+            entries = [(one, f"{probe} [degC]") for one, probe in likely or [(strange[0], free[0])]]
+            remedy += f", or say which it is, as in {filled_in([*told, *entries])}"
         if len(strange) < len(columns):
             remedy += f", or leave the others out: {filled_in([*told, *((column, 'aside') for column in strange)])}"
         raise InputError(
