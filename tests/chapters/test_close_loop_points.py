@@ -186,7 +186,7 @@ def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.Mon
     mounting, _ = read_press(job, "mounting.csv", None)
     assert mounting.values == pytest.approx([-4.5, -1.5, 1.5, 4.5])
     csv(press / "lvdt.csv", "time [s],LVDT 1 [mm],Cell [N]", rows)
-    with pytest.raises(InputError, match="LVDT 1 .mm.=stroke .mm.,Cell .N.=force .N."):
+    with pytest.raises(InputError, match=r"LVDT 1 \[mm\]=stroke \[mm\],Cell \[N\]=force \[N\]"):
         read_press(job, "lvdt.csv", None)
     csv(press / "warming.csv", "stroke [mm],force [N],temperature [degC]", rows)
     with pytest.raises(InputError, match="give a file for each temperature"):

@@ -389,6 +389,16 @@ def test_a_thermocouple_that_jumps_for_a_row_or_two_is_told_and_left_out(
     assert "t.csv, line 32: a reads" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("begun", [0, 5000])
+def test_a_log_that_begins_long_after_the_run_is_told(
+    begun: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "t.csv").write_text("time [s],a [degC]\n" + "".join(f"{begun + 10 * t},{20 + t}\n" for t in range(9)))
+    read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a"], PLAIN)
+    assert ("begin 5000 s after the start of the run and go on for 80 s" in capsys.readouterr().err) == bool(begun)
+
+
 def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_message_shows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

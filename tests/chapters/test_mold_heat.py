@@ -95,6 +95,13 @@ def test_the_setup_tells_what_was_run_with_its_defaults(plate):
     assert (plate[1]["setup"]["steady"], plate[1]["setup"]["tolerance_K"]) == (False, 0.1)
 
 
+def test_a_mold_that_nothing_heats_or_cools_is_told(tmp_path):
+    _, _, said = heat(tmp_path, HEAD + FILM + PROBE + RUN)
+    assert [one for one in said if "nothing heats or cools the mold" in one]
+    _, _, said = heat(tmp_path, HEAD + FILM + PROBE + RUN.replace("25 degC", "80 degC"), "cooling")
+    assert said == []
+
+
 def test_power_less_losses_is_stored(plate):
     _, document = plate
     energy = document["energy"]

@@ -378,6 +378,12 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
                 f"neighbours{f', as {rows.size - 1} more' if rows.size > 1 else ''}; left out"
             )
             readings[rows, number] = np.nan
+    begun, last = table["time"][[0, -1]]
+    if begun > last - begun:
+        job.console.warn(
+            f"{name}: the readings begin {begun:.6g} s after the start of the run and go on for {last - begun:.6g} s; "
+            "time counts from the mold's start"
+        )
     return Thermocouples(table["time"], readings, names, power, table.left_out, glitches)
 
 

@@ -39,6 +39,8 @@ from hyperfab.thermal.transient import run as follow
 FOLLOWED = 0.95
 #: So much hotter [K] than the target no work surface is meant to end.
 _FAR_ABOVE = 50.0
+#: A mold whose temperatures differ by no more [K], anywhere and at any time, was not heated.
+_STILL = 1e-6
 
 
 def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
@@ -111,7 +113,8 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
         steady=asked_run.steady,
         tolerance_K=asked_run.tolerance,
     )
-    _say(job, result, document.run.target)
+    least, greatest = history.states.extremes(np.arange(problem.mesh.solid))
+    _say(job, result, document.run.target, still=greatest - least < _STILL)
     sure = Sure()
     if result.converged:
         value = dict(figures_of(result.to_json(), result.KIND))
@@ -229,10 +232,15 @@ def _steady(name: str, problem: Problem, start: Array) -> History:
     return history
 
 
-def _say(job: Job, result: HeatDocument, target: float | None) -> None:
-    """Tell a person what came out; the ``target`` [degC] is the document's."""
+def _say(job: Job, result: HeatDocument, target: float | None, still: bool) -> None:
+    """Tell a person what came out; the ``target`` [degC] is the document's, ``still`` a mold that stays as it was."""
     console = job.console
     work = result.work_surface
+    if still:
+        console.warn(
+            "nothing heats or cools the mold, it stays at the temperature it began at: give a [[heater]], "
+            "or another start"
+        )
     if work is not None and target is not None and work.mean_degC > target + _FAR_ABOVE:
         console.warn(
             f"the work surface ends at {work.mean_degC:.0f} degC, {work.mean_degC - target:.0f} K above the target: "
