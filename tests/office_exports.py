@@ -172,7 +172,7 @@ def to_settle() -> dict[str, bytes]:
             [(k, comma(e), comma(s)) for k, (e, s) in enumerate(strain)],
             ";",
         ).encode(),
-        "turkish": table("Zaman (s);Uzama (mm);Kuvvet (N)", timed, ";").encode("cp1254"),
+        "finnish": table("Aika (s);Venym\u00e4 (mm);Voima (N)", timed, ";").encode("cp1252"),
         "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
         "czech": table("Čas [s];Prodloužení [mm];Síla [N]", timed, ";").encode(),
         "strain_in_two_units": table(

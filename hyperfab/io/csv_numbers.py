@@ -13,7 +13,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-from hyperfab.io.cells import MOMENT, SPELLED
+from hyperfab.io.cells import MOMENT, NO_READING, SPELLED
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
@@ -29,8 +29,6 @@ _GROUPED = {
     ",": re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+", re.ASCII),
 }
 _MARKED = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?", re.ASCII)
-#: What data loggers write where a sensor gave nothing.
-_NO_READING = ("nan", "n/a", "na", "#n/a", "null", "none")
 _SPACES = re.compile(r"(?<=\d)[ \u00a0\u202f'](?=\d{3}(?:\D|$))", re.ASCII)
 _OTHER = {".": ",", ",": "."}
 
@@ -142,10 +140,10 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
     cell that is empty or says that there is no reading is nan.
     """
     cells = sheet.columns[heading.index]
-    joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
+    joined = "\n".join(cells)
     if "%" in joined:
         cells = [cell.removesuffix("%").rstrip() for cell in cells]
-        joined = "\n".join(cells).replace("\N{MINUS SIGN}", "-")
+        joined = "\n".join(cells)
     if decimal == "," and "." not in joined:
         joined = joined.replace(",", ".")
     if shift:
@@ -160,7 +158,7 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
         values = np.array(
             [
                 np.nan
-                if gaps and (not cell or cell.casefold().strip("+-") in _NO_READING)
+                if gaps and (not cell or NO_READING.fullmatch(cell.strip("+-") or cell))
                 else _number(cell, sheet, heading, row, decimal, shift)
                 for row, cell in enumerate(cells)
             ]
@@ -320,7 +318,7 @@ def _power_of_ten(factor: Fraction) -> int | None:
 
 def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str, shift: int) -> float:
     """The slow way, for cells with thousands separators or worse."""
-    text = _SPACES.sub("", cell.replace("\N{MINUS SIGN}", "-"))
+    text = _SPACES.sub("", cell)
     text = text[:-1].rstrip() if text.endswith("%") else text
     other = _OTHER[decimal]
     if other in text:
@@ -333,7 +331,7 @@ def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str
         return float(text) if not shift else float(Decimal(text).scaleb(shift))
     if not cell:
         raise _bad_cell("is empty", "", sheet, heading, row)
-    if cell.casefold().strip("+-") in (*_NO_READING, "inf", "infinity"):
+    if NO_READING.fullmatch(cell.strip("+-") or cell) or cell.casefold().strip("+-") == "infinity":
         raise _bad_cell("is no reading", cell, sheet, heading, row)
     raise _bad_cell("is no number", cell, sheet, heading, row)
 

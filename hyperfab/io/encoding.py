@@ -31,6 +31,8 @@ _OTHERS = (
     (b"PK\x03\x04", "is a zip archive", "unpack it"),
     (b"\x1f\x8b", "is compressed (gzip)", "unpack it"),
     (b"MATLAB 5.0", "is a MATLAB file", "export the table as CSV (writetable)"),
+    (b"ply\n", "is a cloud of points (PLY)", "export them as CSV, with a line that names the columns"),
+    (b"ply\r\n", "is a cloud of points (PLY)", "export them as CSV, with a line that names the columns"),
     (b"PAR1", "is a Parquet file", "export the table as CSV or .xlsx"),
 )
 #: A document of a command, in JSON or TOML: what it says of itself.
@@ -60,7 +62,7 @@ def decode(data: bytes, name: str, wanted: tuple[str, ...] = ()) -> str:
             file=name,
             remedy="give the file that the readings stand in",
         )
-    text = _decoded(data, name, wanted).removeprefix("\ufeff")
+    text = _decoded(data, name, wanted).removeprefix("\ufeff").replace("\N{MINUS SIGN}", "-")
     found = _CONTROL.search(text)
     if found:
         line = text.count("\n", 0, found.start()) + 1
@@ -116,7 +118,8 @@ def _score(text: str, scripts: str, wanted: tuple[str, ...]) -> float:
     score = sum(10.0 for title in wanted if title in text and not title.isascii())
     for match in _WORD.finditer(text):
         if not match[0].isascii():
-            parts = [match[0], *match[0].split()]  # a letter alone is a word in Chinese and Japanese only
+            # A letter alone is a word in Chinese and Japanese only; a word in ASCII speaks for no page.
+            parts = [match[0], *(part for part in match[0].split() if not part.isascii())]
             parts = [part for part in parts if len(part) > 1 or scripts.startswith("CJK")]
             score += 3.0 * any(is_known(part) or setting(part) is not None for part in parts)
     if scripts == "LATIN":

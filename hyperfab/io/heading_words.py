@@ -1,4 +1,4 @@
-"""What testing machines and offices call their columns and settings, in nine languages.
+"""What testing machines and offices call their columns and settings, in ten languages.
 
 Words stand as ``hyperfab.io.dictionary.plain`` leaves them: lower case, without accents, punctuation as spaces.
 Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
@@ -23,7 +23,8 @@ COLUMNS: dict[str, str] = {
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
         alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
         歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ;
-        ave; ave 1; ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение""",
+        ave; ave 1; ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение;
+        birim sekil degistirme; birim uzama; gerinim; sekil degistirme; 拉伸率; 断裂伸长率""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
         displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
         stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload;
@@ -36,7 +37,8 @@ COLUMNS: dict[str, str] = {
         spostamento traversa; spostamento della
         traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
         da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; 拉伸位移; 横梁位移; ave; ave 1;
-        ave 2; ave1; ave2; перемещение; удлинение; ход""",
+        ave 2; ave1; ave2; перемещение; удлинение; ход;
+        uzama; deplasman; yer degistirme; allong; 伸长量; 延伸""",
     "position": """position; crosshead position; crosshead absolute; traverse absolue;
         traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
@@ -48,7 +50,8 @@ COLUMNS: dict[str, str] = {
         last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
         standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
         tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; 拉力; 拉伸载荷; 引張荷重;
-        нагрузка; усилие; сила""",
+        нагрузка; усилие; сила;
+        kuvvet; cekme kuvveti; yuk; 拉伸力""",
     "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress; axial stress;
         sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung; nennspannung;
         zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo; esfuerzo de traccion;
@@ -56,7 +59,8 @@ COLUMNS: dict[str, str] = {
         contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte axiale; sforzo;
         sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao; tensao nominal;
         tensao de tracao; tensao de engenharia; 応力; 应力; 拉伸应力; 工程应力; 引張応力; 公称応力; напряжение;
-        gl spannung""",
+        gl spannung;
+        gerilme; cekme gerilmesi; muhendislik gerilmesi""",
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
         verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
         vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma; 真应力; 真实应力; 真応力""",
@@ -84,10 +88,12 @@ COLUMNS: dict[str, str] = {
     "time": """time; t; elapsed; elapsed time; test time; total time; running time; run time; time stamp; timestamp;
         step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo; tiempo de ensayo; tiempo
         transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova; tempo trascorso; tempo de
-        ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время""",
+        ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время;
+        sure; zaman; gecen sure""",
     "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
         pruftemperatur; probentemperatur; temperatura; temperatura de ensayo; temperatura de la probeta;
-        temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; температура; t c""",
+        temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; температура; t c;
+        sicaklik; numune sicakligi""",
     "chamber": """chamber temperature; oven temperature; chamber temp; ambient temperature; room temperature;
         kammertemperatur; raumtemperatur; umgebungstemperatur; temperatura ambiente; temperatura de la camara;
         temperature ambiante; temperature enceinte; temperatura ambiente interna; temperatura da camara; t
@@ -100,21 +106,24 @@ COLUMNS: dict[str, str] = {
     "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles; cycle index;
         zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo; ciclos;
         numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo; numero do
-        ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл""",
+        ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл;
+        cevrim; dongu""",
     "branch": """branch; loading direction; load branch; ast; be entlastung; belastungsast; rama; branche;
         ramo; hin ruck""",
     "direction": """direction; fabric direction; specimen direction; sample direction; test direction;
         material direction;
         orientation; cut direction; richtung; probenrichtung; prufrichtung; materialrichtung; entnahmerichtung;
         direccion; direccion del tejido; sens; sens du tissu; orientacion; direzione; direzione del tessuto;
-        direcao; direcao do tecido""",
+        direcao; direcao do tecido;
+        yon; numune yonu; 方向; 试样方向""",
     "specimen": """specimen; sample; specimen no; specimen nr; specimen number; specimen id; specimen name;
         specimen label;
         sample no; sample id; sample name; sample number; test piece; replicate; test no; test number; specimen
         identifier; probe; probe nr; proben nr; probennummer; proben id; probenbezeichnung; probekorper;
         prufling; prufkorper; probeta; probeta n; probeta no; numero de probeta; muestra; muestra n;
         identificacion de la probeta; eprouvette; eprouvette n; numero d eprouvette; echantillon; provino;
-        provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp""",
+        provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp;
+        numune; numune no; 试样; 试样编号; 試験片""",
     "test": "test; test kind; test mode; deformation mode; mode",
 }
 #: Titles that are a unit and say by it that they are the time; LabVIEW's ``X_Value`` counts seconds.
@@ -149,10 +158,13 @@ PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatis
 READINGS: dict[str, str] = {
     "depth": """penetration; penetration depth; indentation depth; tiefe; eindringtiefe; eindrucktiefe; profondeur;
         profondeur de penetration; enfoncement; profundidad; profundidad de penetracion; profondita; profondita di
-        penetrazione; profundidade; profundidade de penetracao""",
-    "stroke": "press stroke; hub; hubweg; pressenhub; schliessweg; course; carrera; corsa; curso",
+        penetrazione; profundidade; profundidade de penetracao;
+        derinlik; 深度; 压入深度; 押込み深さ; 押し込み深さ""",
+    "stroke": """press stroke; hub; hubweg; pressenhub; schliessweg; course; carrera; corsa; curso;
+        strok; 行程""",
     "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression; pression de contact;
-        presion; presion de contacto; pressione; pressione di contatto; pressao; pressao de contato""",
+        presion; presion de contacto; pressione; pressione di contatto; pressao; pressao de contato;
+        basinc; 压力; 面圧""",
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
     "contact": "kontakt; contacto; contatto; contato",
@@ -217,13 +229,15 @@ SETTINGS: dict[str, str] = {
         anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta; ancho de probeta;
         ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale; larghezza;
         larghezza provino; larghezza del provino; larghezza iniziale; largura; largura do corpo de prova; largura
-        inicial; 幅; 宽度; ширина""",
+        inicial; 幅; 宽度; ширина;
+        genislik; numune genisligi; 试样宽度; 样品宽度; 試験片幅""",
     "thickness": """thickness; specimen thickness; sample thickness; initial thickness; fabric thickness;
         dicke; probendicke;
         anfangsdicke; warendicke; stoffdicke; probendicke a0; a0; h0; espesor; espesor de la probeta; espesor de
         probeta; espesor inicial; epaisseur; epaisseur de l eprouvette; epaisseur eprouvette; epaisseur initiale;
         spessore; spessore provino; spessore del provino; spessore iniziale; espessura; espessura do corpo de
-        prova; espessura inicial; 厚さ; 厚み; 厚度; толщина""",
+        prova; espessura inicial; 厚さ; 厚み; 厚度; толщина;
+        kalinlik; numune kalinligi; 试样厚度; 样品厚度; 試験片厚さ""",
     "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
         gauge length standard travel; gage length standard travel; messlange standardweg; l0 standardweg;
         l0 course standard; longueur de mesure course standard;
@@ -234,7 +248,8 @@ SETTINGS: dict[str, str] = {
         medida; longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
         base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
         misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
-        ゲージ長さ; 标距; база; начальная длина""",
+        ゲージ長さ; 标距; база; начальная длина;
+        olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk; 原始标距; 初始标距; 初始长度""",
     "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
         extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
         longitud de referencia extensometro; longueur de reference extensometre""",
@@ -249,7 +264,8 @@ SETTINGS: dict[str, str] = {
         einspannlange le; le; spannlange; distancia entre mordazas; separacion de mordazas; separacion entre
         mordazas; longitud entre mordazas; distance entre mors; ecartement des mors; longueur entre mors;
         longueur de serrage; distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre
-        garras; distancia entre as garras; つかみ間隔; チャック間距離; 夹距""",
+        garras; distancia entre as garras; つかみ間隔; チャック間距離; 夹距;
+        ceneler arasi mesafe; cene mesafesi; 夹持距离; 夹具间距; 夹持长度; 隔距""",
     "specimen length": """specimen length; sample length; length; overall length; total length; probenlange; lange;
         gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette; longueur
         eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino; lunghezza totale;
@@ -274,7 +290,8 @@ SETTINGS: dict[str, str] = {
     "test": """test; test kind; test type; test method; method; test name; type of test; kind of test; prufung; prufart;
         prufverfahren; prufvorschrift; prufnorm; versuch; versuchsart; ensayo; tipo de ensayo; metodo; metodo de
         ensayo; essai; type d essai; methode; methode d essai; prova; tipo di prova; metodo di prova; ensaio;
-        tipo de ensaio; metodo de ensaio; standard; norm; norma; norme""",
+        tipo de ensaio; metodo de ensaio; standard; norm; norma; norme;
+        deney; test adi; 试验名称; 试验类型; 试验方法; 試験種類; 試験名""",
 }
 #: Settings that are known and change nothing: not worth a word.
 QUIET = """source; license; licence; material; fabric; operator; prufer; bearbeiter; tester; customer; kunde;
@@ -296,13 +313,15 @@ TESTS: dict[str, str] = {
     "compression": """compression; compressive; uniaxial compression; compression test; druckversuch; druck;
         druckprufung;
         stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩; 压缩试验; 圧縮;
-        圧縮試験; сжатие""",
+        圧縮試験; сжатие;
+        basma testi; basma deneyi""",
     "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
         method; bias extension; bias tension;
         zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
         traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1; iso
         37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验;
-        単軸引張; 引張; 引張試験; растяжение""",
+        単軸引張; 引張; 引張試験; растяжение;
+        cekme testi; cekme deneyi; cekme""",
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
@@ -310,11 +329,13 @@ DIRECTIONS: dict[str, str] = {
         sens machine; direccion de maquina; direzione macchina; walzrichtung; calendering; calender direction;
         calendering direction; kette;
         kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
-        columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia""",
+        columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
+        cozgu; cozgu yonu; 经向; 経; たて; 经""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung;
         maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; sens travers; rangee;
-        fila""",
+        fila;
+        atki; atki yonu; 纬向; 緯; よこ; 纬""",
     "bias": """bias; bias extension; bias tension; bias direction; bias cut; bias strip; diagonal; diagonal direction;
         schrag; schragrichtung; diagonalrichtung; biais; sens biais; sesgo; al sesgo; sbieco; vies""",
 }

@@ -170,6 +170,13 @@ def suffixed(head: Heading) -> Heading:
             unit = "s"
         if is_unit(unit) and (not parts[cut].isdigit() or is_of(unit, "rate")):  # rate_1_s, but force_1_N
             return Heading(head.title, "_".join([*parts[:cut], *behind]), unit, head.index)
+    for cut in range(1, 0 if head.unit is not None or is_known(head.title) else len(parts)):
+        last = " ".join(parts[cut:])  # stress_mpa, force_n, temp_deg_c, as tools tidy names
+        for small in (_UNIT_WORDS.get(last, ""), last.upper()):
+            made = Heading(head.title, "_".join([*parts[:cut], *behind]), small, head.index)
+            found = meaning(made) if small and last.islower() and is_unit(small) else None
+            if found is not None and found.name in KIND and is_of(small, KIND[found.name]):
+                return made
     return head
 
 
@@ -190,6 +197,8 @@ _PER_CENT = re.compile(
 )
 #: A remark behind a unit, parted by a dash: exx [1] - Lagrange.
 _DASHED = re.compile(r"(.*[\])}])\s*[-\u2013]\s*([^\W\d][\w .]*)")
+#: Degrees before the name of a probe, as loggers write it: [°C] cup, °C [1] cup.
+_BEFORE = re.compile(r"\[?(\u00b0[CF])\]?(?: ?\[\d+\])? +([^\W\d].*)")
 #: Units in words, as offices write them.
 _UNIT_WORDS = {
     "newton": "N", "newtons": "N", "kilonewton": "kN", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
@@ -200,7 +209,8 @@ _UNIT_WORDS = {
     "millimeters": "mm", "millimetre": "mm",
     "millimetres": "mm", "milimetros": "mm", "millimetri": "mm", "megapascal": "MPa", "kilopascal": "kPa",
     "mpa": "MPa", "kpa": "kPa",
-    "kn": "kN", "kgf": "kgf", "lbf": "lbf", "gf": "gf", "ozf": "ozf", "prozent": "%", "percent": "%",
+    "cn": "cN", "mn": "mN", "pa": "Pa", "gpa": "GPa", "degc": "degC", "degf": "degF", "kn": "kN",
+    "kgf": "kgf", "lbf": "lbf", "gf": "gf", "ozf": "ozf", "prozent": "%", "percent": "%",
     "per cent": "%", "pct": "%",
     "porcentaje": "%", "pourcent": "%", "grad c": "degC", "grad celsius": "degC", "deg c": "degC",
     "celsius": "degC", "grados c": "degC",
@@ -221,6 +231,8 @@ def heading(title: str, index: int) -> Heading:
     >>> heading("Tensile strain (Displacement) (%)", 0)
     Heading(title='Tensile strain (Displacement) (%)', label='Tensile strain', unit='%', index=0)
     """
+    if before := _BEFORE.fullmatch(title[:200]):
+        return Heading(title, before[2], before[1], index)
     text = _DASHED.sub(r"\1 (\2)", title) if len(title) <= 200 else ""
     tail = _TAIL.search(text)
     groups = list(BRACKETS.finditer(text, tail.start() if tail else 0))

@@ -13,7 +13,9 @@ from hyperfab.io.dictionary import plain, words
 #: What parts a title into words of a test and words of what is tested.
 _PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")
 #: A word that a kind stands before (compression test), or behind (ensayo de compresión), and what links them then.
-_ENDS = frozenset(["test", "tests", "testing", "versuch", "versuche", "prufung", "method", "methode"])
+_ENDS = frozenset(
+    ["test", "tests", "testing", "versuch", "versuche", "prufung", "method", "methode", "testi", "deneyi"]
+)
 _BEGINS = frozenset(["test", "tests", "ensayo", "essai", "prova", "ensaio"])
 _LINKS = frozenset(["de", "di", "do", "da", "a", "en", "in", "of"])
 #: Words that join kinds: Zug- und Druckversuch.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 
@@ -306,3 +307,15 @@ def test_a_labview_measurement_begins_behind_its_last_header() -> None:
     text = head + "X_Value\tcup [C]\tedge [C]\tComment\n0.0\t20.5\t21\t\n10.0\t22.5\t23\t\n"
     table = read_table(text.encode(), "log.lvm", {"time": "time"}, rest="temperature")
     assert (table["time"].tolist(), table["edge"].tolist()) == ([0.0, 10.0], [21.0, 23.0])
+
+
+def test_degrees_stand_before_the_name_of_a_probe_and_an_open_sensor_is_a_gap() -> None:
+    text = "Time [s];\u00b0C [1] cup;[\u00b0C] edge\n0;20,5;21\n10;OL;22\n20;23,5;-----\n"
+    table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", gaps=True)
+    assert [table[probe].tolist()[0] for probe in ("cup", "edge")] == [20.5, 21.0]
+    assert [math.isnan(table["cup"][1]), math.isnan(table["edge"][1])] == [True, False]
+
+
+def test_a_cloud_of_points_is_told_as_that() -> None:
+    with pytest.raises(InputError, match="is a cloud of points"):
+        read_table(b"ply\nformat ascii 1.0\nend_header\n1 2 3\n", "a.ply", {"x": "length"})

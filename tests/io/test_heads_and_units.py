@@ -350,3 +350,39 @@ def test_a_stress_without_a_unit_is_proposed_in_the_one_it_can_have(scale: float
         f"# test: uniaxial\nstrain,stress\n{rows}".encode(), "a.csv", columns=layout([f"stress=stress [{unit}]"])
     )
     assert found.stress.max() == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(("load", "newtons"), [("force_n", 1.0), ("load_kn", 1000.0), ("force_cn", 0.01)])
+def test_units_in_small_letters_behind_a_name_are_known_by_what_it_measures(load: str, newtons: float) -> None:
+    assert pulled(load).stress.tolist() == pytest.approx([2 * N * newtons, 4 * N * newtons])
+    text = "strain_pct,stress_kpa,temperature_c\n0,0,60\n10,500,60\n"
+    [found] = read_tests(text.encode(), "a.csv", test="uniaxial")
+    assert found.stress.tolist() == [0.0, 0.5]
+    assert found.temperature_degC is not None
+    assert found.temperature_degC.tolist() == [60.0, 60.0]
+    with pytest.raises(InputError, match="force_q"):
+        pulled("force_q")
+
+
+def test_the_sign_of_typesetters_is_a_minus() -> None:
+    text = "# test: tensile\nstrain [%],stress [MPa]\n\u22121,\u22120.01\n0,0\n10,0.1\n"
+    [found] = read_tests(text.encode(), "a.csv")
+    assert (found.stretch[0], found.stress[0]) == (0.99, -0.01)
+
+
+@pytest.mark.parametrize("page", ["utf-8", "cp1254"])
+def test_turkish_heads_and_sizes_are_read_in_their_code_page(page: str) -> None:
+    sizes = "Geni\u015flik;50;mm\nNumune kal\u0131nl\u0131\u011f\u0131;0,8;mm\n\u00d6l\u00e7\u00fc boyu;100;mm\n"
+    heads = "Y\u00f6n;Atk\u0131\nS\u00fcre (s);Uzama (mm);Kuvvet (N)\n"
+    text = f"\u00c7ekme testi;TS EN ISO 13934-1\n{sizes}{heads}0,0;0,0;0,0\n1,0;10,0;2,0\n"
+    [found] = read_tests(text.encode(page), "a.csv")
+    assert (found.direction, found.stretch[1]) == (90.0, 1.1)
+    assert found.stress[1] == pytest.approx(2 * N)
+
+
+def test_chinese_sizes_are_read() -> None:
+    sizes = "\u8bd5\u6837\u5bbd\u5ea6,50,mm\n\u8bd5\u6837\u539a\u5ea6,0.8,mm\n\u539f\u59cb\u6807\u8ddd,100,mm\n"
+    heads = "\u65b9\u5411,\u7eac\u5411\n\u65f6\u95f4(s),\u4f4d\u79fb(mm),\u529b(N)\n"
+    text = f"\u8bd5\u9a8c\u540d\u79f0,\u62c9\u4f38\u8bd5\u9a8c\n{sizes}{heads}0,0,0\n1,10,2\n"
+    [found] = read_tests(text.encode("gb18030"), "a.csv")
+    assert (found.direction, found.stress[1]) == (90.0, pytest.approx(2 * N))
