@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.dictionary import fold, plain, setting, setting_along
+from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along
 from hyperfab.io.headings import heading, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
@@ -73,6 +73,35 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
                 name = "test"
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
                 found.setdefault(name, []).append(entry)
+    return found
+
+
+def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
+    """Return sizes that stand in a small table above: titles, perhaps units, then a row for each specimen.
+
+    Of specimens whose sizes differ all are told, and none can be taken.
+
+    >>> tabled([(1, ["Name", "Width"]), (2, ["", "mm"]), (3, ["A", "50"]), (4, ["Mean", "50.0"])])["width"][0].value
+    '50 mm'
+    """
+    found: dict[str, list[Entry]] = {}
+    for k, (_, titles) in enumerate(rows):
+        heads = [heading(title, place) for place, title in enumerate(titles)]
+        sized = [(one, key) for one in heads if (key := setting(one.label)) in SIZES and key != "area"]
+        widest = max((one.index for one, _ in sized), default=-1)
+        below = [(line, cells) for line, cells in rows[k + 1 :] if any(cells)]
+        if not sized or len(titles) < 2 or not below or len(below[0][1]) <= widest:
+            continue
+        units = [unit_of(below[0][1][one.index].strip("[](){} ")) for one, _ in sized]
+        values = []
+        for line, cells in below[1:] if all(units) else below:
+            if len(cells) <= widest or not all(is_number(cells[one.index]) for one, _ in sized):
+                break
+            if not is_closing(next(filter(None, cells), "")):
+                values.append((line, cells))
+        for (one, key), unit in zip(sized, units, strict=True):
+            told = {f"{cells[one.index]} {unit or one.unit or ''}".strip(): line for line, cells in reversed(values)}
+            found.setdefault(str(key), []).extend(Entry(text, line, sure=False) for text, line in told.items())
     return found
 
 

@@ -15,7 +15,7 @@ from hyperfab.io.heading_words import NAMES
 from hyperfab.io.headings import Heading, heading, meaning, unit_behind, unit_of
 from hyperfab.io.layout import Layout, named
 from hyperfab.io.rows import Row
-from hyperfab.io.settings import Entry, settings
+from hyperfab.io.settings import Entry, settings, tabled
 from hyperfab.io.unit_table import parse_unit
 from hyperfab.io.units import is_unit
 
@@ -119,7 +119,7 @@ def find(rows: Sequence[Row], fits: Fits, layout: Layout) -> list[Block]:
     for number, (block, (first, start)) in enumerate(zip(found, heads, strict=True)):
         before = heads[number - 1][1] if number else 0
         above = [row for row, one in zip(rows[before:first], data[before:first], strict=True) if not one]
-        block.metadata = settings(above)
+        block.metadata = {**tabled(rows[before:first]), **settings(above)}
         if above and above[-1] is rows[first - 1] and sum(map(bool, above[-1][1])) > 1:
             block.over = above[-1]
         end = heads[number + 1][0] if number + 1 < len(heads) else len(rows)

@@ -262,3 +262,21 @@ def test_rows_may_leave_off_the_cells_that_the_first_one_alone_has() -> None:
     cut = "".join(f"{way},{force},7\n" for way, force in ROWS[:-1])
     with pytest.raises(InputError, match="has 1 cells, the header has 3"):
         read(f"# test: uniaxial\n# width: 50 mm\n# gauge length: 100 mm\nExtension [mm],Load [N],No\n{cut}30\n")
+
+
+@pytest.mark.parametrize("second", ["50.0000", "48.0000"])
+def test_sizes_in_a_small_table_above_are_taken_where_its_rows_agree(second: str) -> None:
+    sizes = '"Name","Thickness","Width","Gauge_Length"\n"Units","mm","mm","mm"\n'
+    sizes += f'"1 _ 1","0.8000","50.0000","100.0000"\n"1 _ 2","0.8000","{second}","100.0000"\n\n'
+    heads = (
+        '"1 _ 1","","","1 _ 2","",""\n"Time","Force","Stroke","Time","Force","Stroke"\n"sec","N","mm","sec","N","mm"\n'
+    )
+    rows = "".join(f'"{k}","{2 * k}","{10 * k}","{k}","{2 * k}","{10 * k}"\n' for k in range(4))
+    text = '"Test Type","Tensile"\n' + sizes + heads + rows
+    if second == "48.0000":
+        with pytest.raises(InputError, match=r"states 48\.0000 mm and 50\.0000 mm"):
+            read_tests(text.encode(), "a.csv")
+        return
+    one, two = read_tests(text.encode(), "a.csv")
+    assert one.stretch[-1] == two.stretch[-1] == 1.3
+    assert one.stress.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.15])
