@@ -28,7 +28,7 @@ def dependence(
         of, count = (left, len(specimens)) if left is not None and own else (residual, len(residual))
         known = np.isfinite(values)
         distinct = np.unique(values[known])
-        if len(distinct) < 2 or not np.any(of):
+        if _is_constant(distinct) or not np.any(of):
             continue
         if len(distinct) <= _BINS:
             label = np.searchsorted(distinct, values[known])
@@ -42,6 +42,11 @@ def dependence(
         chance = np.count_nonzero(size) / (count * np.mean(known))
         found[name] = max(share - float(chance), 0.0)
     return dict(sorted(found.items(), key=lambda item: -item[1]))
+
+
+def _is_constant(values: Array) -> bool:
+    """Whether values are one but for rounding, as are rates told from the clocks of tests at one speed."""
+    return len(values) == 0 or float(np.ptp(values)) <= 1e-9 * float(np.abs(values).max())
 
 
 def period(residual: Array, time: Array) -> tuple[float, float] | None:
@@ -85,7 +90,7 @@ def suggestion(residual: Array, sd: Array, states: Mapping[str, Array]) -> tuple
     scaled: dict[str, Array] = {}
     for name, values in states.items():
         known = np.isfinite(values)
-        if not np.all(known) or len(np.unique(values)) < 2:
+        if not np.all(known) or _is_constant(values):
             continue
         middle, half = (values.max() + values.min()) / 2.0, (values.max() - values.min()) / 2.0
         sign = "-" if middle >= 0.0 else "+"

@@ -390,3 +390,11 @@ def test_a_term_gains_what_it_spares_the_readings_and_what_is_known_less_its_pri
     assert found.delta_bic == pytest.approx(expected, rel=1e-9)
     share = spared / max(old.chi2 - COUNT, spared)
     assert found.variance_share == pytest.approx(share, rel=1e-9)
+
+
+def test_a_state_that_varies_by_rounding_alone_is_none_that_anything_rides_on() -> None:
+    rng = np.random.default_rng(5)
+    left = rng.standard_normal(200)
+    rate = np.log(0.0083) + 2e-15 * np.sign(left)  # of clocks of tests at one speed
+    assert dependence(left, {"log rate": rate}) == {}
+    assert suggestion(left, np.full(200, 0.01), {"log rate": rate}) is None
