@@ -104,8 +104,9 @@ class FabricProblem(Problem):
         given = {*forms, *self.held}
         turns = self.both or "anisotropy" in given
         one_curve = context.has_one_curve(turns=turns, softens="thermal-softening" in given)
-        bends = gives in BENDS and (one_curve or ("anisotropy" in given and context.tells_coupling))
-        if bends or (gives == "smooth" and context.has_one_mode):
+        told = context.path.shorter is not None  # the same length is another strain in each
+        bends = not told and gives in BENDS and (one_curve or ("anisotropy" in given and context.tells_coupling))
+        if bends or (not told and gives == "smooth" and context.has_one_mode):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))

@@ -36,6 +36,9 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
     count = [len(test.stretch) for test in tests]
     time = np.concatenate([_clock(test) for test in tests])
     mode, stretch = np.repeat([MODE_NAMES.index(test.mode) for test in tests], count), column("stretch")
+    thickness, width, length = np.array([_size(test) for test in tests]).T
+    # Of one cloth, whose thickness no test states, the widths tell it.
+    section = width if np.all(np.isnan(thickness)) else width * thickness
     path = Path(
         starts=tuple(int(v) for v in np.concatenate([[0], np.cumsum(count)])),
         mode=mode,
@@ -45,6 +48,8 @@ def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
         temperature_degC=column("temperature_degC"),
         angle_deg=np.repeat([float(test.angle_deg) for test in tests], count),
         branch=np.nan_to_num(column("branch")).astype(np.int64),
+        lengths_mm=tuple(map(float, length)),
+        sections=tuple(map(float, section)),
     )
     speed = column("rate_1_s")
     for rows in path.curves:

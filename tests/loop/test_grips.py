@@ -9,7 +9,9 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.materials import law
+from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.grip_slack import given
+from hyperfab.materials.effects.path import Path
 
 #: Stress of a neo-Hookean sheet over its modulus, by mode.
 STRESS = {
@@ -97,3 +99,42 @@ def test_a_specimen_is_not_let_go_while_its_grips_part() -> None:
     np.testing.assert_allclose(
         given(stretch, reach, slack), 1.0 + np.maximum(stretch - 1.0 - 0.05 * place, 0.0), atol=1e-12
     )
+
+
+@pytest.mark.parametrize(("lengths", "verdict"), [((50.0, 200.0), "effect"), ((50.0, 50.0), "ambiguous")])
+def test_what_grips_give_is_a_length_which_specimens_of_two_lengths_tell_from_another_law(
+    lengths: tuple[float, float], verdict: str
+) -> None:
+    """Rubber faces that give 3 mm, less and less: 6 % of strips of 50 mm, 1.5 % of strips of 200 mm."""
+    random = np.random.default_rng(5)
+    lam, tests = np.linspace(1.0, 1.5, 50), []
+    for number, length in enumerate((*lengths, *lengths)):
+        load = 0.2 * STRESS["uniaxial"](lam)
+        read = lam + 3.0 / length * -np.expm1(-load / 0.07)
+        noisy = load * (1.0 + 0.01 * random.standard_normal()) + 8e-4 * random.standard_normal(50)
+        name = f"{number}"
+        tests.append(TestCurve("uniaxial", read, noisy, gauge_length_mm=length, source=name, specimen=name))
+    found = close(fabric_problem(law("neo-hookean"), [0.1], tests), design=False)
+    assert found.verdict == verdict
+    assert "grip-slack" in {*found.after.ids, *(name for one in found.indistinguishable for name in one)}
+    if verdict == "effect":
+        assert found.after.ids == ("grip-slack",)
+        # One law of what they give for both lengths, with no slack of each.
+        assert not found.after.fit.forms["grip-slack"].of_each, found.after.fit.terms
+
+
+def test_play_is_a_length_and_a_zero_of_the_cell_a_force() -> None:
+    """Of the first specimen whose size is stated: the second is four times as long and twice as thick."""
+    stretch, unknown = np.array([1.05, 1.3, 1.05, 1.3]), np.full(4, np.nan)
+    pulls = Path(
+        (0, 2, 4), np.zeros(4, int), stretch, unknown, unknown, unknown, unknown, np.ones(4, int),
+        lengths_mm=(50.0, 200.0), sections=(10.0, 20.0),
+    )  # fmt: skip
+    fabric = Fabric(law("neo-hookean"), pulls)
+
+    def at(slack: float, offset: float) -> np.ndarray:
+        terms = {"grip-slack": ("play", np.array([slack])), "load-offset": ("constant", np.array([offset]))}
+        return fabric.stress(np.array([0.5]), None, terms)
+
+    own = np.array([1.01, 1.26, 1.04, 1.29])
+    np.testing.assert_allclose(at(0.04, 0.02), own - own**-2 + np.array([0.02, 0.02, 0.01, 0.01]), rtol=1e-12)

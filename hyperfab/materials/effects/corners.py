@@ -63,6 +63,8 @@ def cornered(path: Path) -> tuple[Path, Ints]:
         temperature_degC=heat,
         angle_deg=path.angle_deg[near],
         branch=path.branch[near],
+        lengths_mm=path.lengths_mm,
+        sections=path.sections,
     )
     return way, near
 

@@ -179,6 +179,8 @@ class Fabric:
         load = np.maximum(np.nan_to_num(turned * steps.stress(warp, weft, bears)), 0.0)
         gives, stays = grip_slack.OF_LOAD[form](load, values), form in grip_slack.STAYS
         path, way = self.path.outward, steps.path.outward
+        if way.shorter is not None:
+            gives = gives * way.shorter
         found = np.empty_like(path.stretch)
         for rows, of in zip(path.curves, way.curves, strict=True):
             found[rows] = grip_slack.yielded(path.stretch[rows], way.stretch[of], gives[of], stays)
@@ -206,6 +208,7 @@ class Fabric:
             temperature_degC=path.temperature_degC[first],
             angle_deg=path.angle_deg[first],
             branch=np.ones(len(stretch), dtype=np.int64),
+            lengths_mm=path.lengths_mm,
         )
         return Fabric(self.law, way, self.reference_degC)
 

@@ -99,13 +99,28 @@ def by_curve(path: Path, told: Array) -> Array:
 
 
 #: The specimen's stretch in each form: of the path, the stretch read, and the form's constants.
-FORMS: Mapping[str, Callable[[Path, Array, Array], Array]] = {
+_Takes = Callable[[Path, Array, Array], Array]
+
+
+def _as_length(takes: _Takes) -> _Takes:
+    """Return a form of what grips take as a length: as strain of the first specimen whose length is stated."""
+
+    def found(path: Path, stretch: Array, values: Array) -> Array:
+        if path.shorter is None:
+            return takes(path, stretch, values)
+        return np.asarray(1.0 + (takes(path, 1.0 + (stretch - 1.0) / path.shorter, values) - 1.0) * path.shorter)
+
+    return found
+
+
+_FORMS: Mapping[str, _Takes] = {
     "play": lambda path, stretch, values: taken_up(stretch, *values),
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
     "each-toe": lambda path, stretch, values: taken_up(stretch, of_each(path, values[:-1]), values[-1]),
     "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
 }
+FORMS: Mapping[str, _Takes] = {name: _as_length(takes) for name, takes in _FORMS.items()}
 #: What the grips give in the forms that ask for it: of the load [MPa], never below zero, that the specimen bears.
 OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
     "yields": lambda load, values: values[1] / values[0] * load,

@@ -53,8 +53,19 @@ def _passed(time: Array, tau: float) -> Array:
 
 #: Forms that have no prediction where the tests state no times.
 IN_TIME = ("drift", "settling", "each-drift", "each-settling", "smooth")
-#: What each form makes of the stress.
-FORMS: Mapping[str, Acts] = {
+
+
+def _as_force(acts: Acts) -> Acts:
+    """Return a form of what the cell is off as a force: as stress in the first specimen whose section is stated."""
+
+    def act(at: State, stress: Array, values: Array) -> Array:
+        found = acts(at, stress, values)
+        return found if at.path.thinner is None else stress + (found - stress) * at.path.thinner
+
+    return act
+
+
+_FORMS: Mapping[str, Acts] = {
     "constant": lambda at, stress, values: shifted(stress, values[0]),
     "drift": lambda at, stress, values: shifted(stress, values[0], at.path.time_s, values[1]),
     "settling": lambda at, stress, values: shifted(stress, values[0] + settling(at.path.time_s, values[1], values[2])),
@@ -63,6 +74,8 @@ FORMS: Mapping[str, Acts] = {
     "each-settling": lambda at, stress, values: shifted(stress, drifting_each(at.path, values[:-1], values[-1])),
     "smooth": lambda at, stress, values: shifted(stress, values[1] + through(at.path.time_s / values[0], values[2:])),
 }
+#: What each form makes of the stress.
+FORMS: Mapping[str, Acts] = {name: _as_force(acts) for name, acts in _FORMS.items()}
 
 
 def added(path: Path, form: str, values: Array) -> Array:

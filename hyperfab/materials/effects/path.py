@@ -38,6 +38,7 @@ class Path:
     ``across`` the measured second stretch of general biaxial tests (nan
     elsewhere), ``time_s``,
     ``temperature_degC`` and ``angle_deg`` from the warp (nan where unknown), ``branch`` (+1, -1, 0 where not stated).
+    ``lengths_mm`` and ``sections`` (in any one unit) are those of each curve's specimen, nan where they are not stated.
     """
 
     starts: tuple[int, ...]
@@ -48,6 +49,32 @@ class Path:
     temperature_degC: Array
     angle_deg: Array
     branch: Ints
+    lengths_mm: tuple[float, ...] = ()
+    sections: tuple[float, ...] = ()
+
+    @cached_property
+    def shorter(self) -> Array | None:
+        """What strain the same length is in each row (n,), over that in the first specimen of a stated length; None
+        where all are as long as far as is known.
+
+        >>> pulls = replace(uniaxial_pull(np.ones(4)), starts=(0, 2, 4), lengths_mm=(50.0, 200.0))
+        >>> pulls.shorter
+        array([1.  , 1.  , 0.25, 0.25])
+        """
+        return self._smaller(self.lengths_mm)
+
+    @cached_property
+    def thinner(self) -> Array | None:
+        """What stress the same force is in each row (n,), over that in the first specimen of a stated section; None
+        where all are alike as far as is known."""
+        return self._smaller(self.sections)
+
+    def _smaller(self, sizes: tuple[float, ...]) -> Array | None:
+        known = [size for size in sizes if np.isfinite(size)]
+        if len({*known}) < 2:
+            return None
+        of_each = [known[0] / size if np.isfinite(size) else 1.0 for size in sizes]
+        return np.repeat(of_each, np.diff(self.starts))
 
     @cached_property
     def curves(self) -> list[slice]:

@@ -37,6 +37,13 @@ class DataContext:
         return max(float(np.max(self.path.outward.stretch)) - 1.0, 1e-3)
 
     @property
+    def reach_of_grips(self) -> float:
+        """Largest strain in the data, as length in the first specimen whose length is stated."""
+        shorter = self.path.shorter
+        strain = self.path.outward.stretch - 1.0
+        return self.reach if shorter is None else max(float(np.max(strain / shorter)), 1e-3)
+
+    @property
     def least_reach(self) -> float:
         """Largest strain of the direction that was pulled least."""
         angle, strain = self.path.angle_deg, self.path.outward.stretch - 1.0

@@ -18,7 +18,7 @@ def grip_slack(context: DataContext) -> Effect:
 
     A specimen may have been mounted taut, and cloth may slip out of the grips for good.
     """
-    reach = context.reach
+    reach = context.reach_of_grips
     low, high, step = -0.1 * reach, 0.6 * reach, 0.02 * reach
     slack = Constant("slack", 0.0, low, high, step)
     starts = ((0.03 * reach,), (0.1 * reach,), (-0.02 * reach,))
@@ -83,15 +83,18 @@ def load_offset(context: DataContext) -> Effect:
     forms = [Form("constant", (offset,), ((0.02 * peak,), (-0.02 * peak,)), ((step,),))]
     if context.path.knows_time:
         whole = context.times[1]
+        # In pulls at one pace alone time goes on as the stretch does: what drifts is another law.
+        told = context.unloads or context.several_rates
         drift = Constant("drift_MPa_s", 0.0, -peak / whole, peak / whole, 0.01 * peak / whole)
-        forms.append(Form("drift", (offset, drift), ((step, 0.01 * peak / whole),), refines="constant"))
+        drifting = Form("drift", (offset, drift), ((step, 0.01 * peak / whole),), refines="constant")
         tau = Constant("tau_s", 0.3 * whole, 0.01 * whole, 10.0 * whole, 0.3 * whole)
         rise = Constant("drift_MPa_s", 0.0, -50.0 * peak / whole, 50.0 * peak / whole, 0.05 * peak / whole)
         start = (step, 0.05 * peak / whole, 0.2 * whole)
-        forms.append(Form("settling", (offset, rise, tau), (start,), refines="constant"))
+        settling = Form("settling", (offset, rise, tau), (start,), refines="constant")
         drifts = [Constant(f"drift_{k}_MPa", 0.0, -most, most, step) for k in range(1, 4)]
         free = (fixed("whole_s", whole), offset, *drifts)
-        forms.append(freely(forms, "smooth", free, (whole, step, *3 * (0.0,))))
+        smooth = freely((*forms, drifting, settling), "smooth", free, (whole, step, *3 * (0.0,)))
+        forms += tried_if(told, drifting, settling, smooth)
     count = len(context.path.curves)
     own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
     begin = (step, *(0.0 for _ in own))
