@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -326,3 +327,26 @@ def test_poissons_ratio_of_a_refitted_law_is_one_that_nature_has() -> None:
     tests = [TestCurve("uniaxial", stretch, 0.3 * (stretch - 1.0))]
     own = fabric_problem(laws()["blatz-ko-general"], [0.1, 0.2, 0.3], tests, prior=None).own
     assert [(one.low, one.high) for one in own if one.name == "nu"] == [(0.0, 0.4999)]
+
+
+@pytest.mark.parametrize(("back", "paces", "tried"), [(False, (1.0, 1.0), False), (False, (1.0, 20.0), True),
+                                                       (True, (1.0, 1.0), True)])  # fmt: skip
+def test_a_zero_that_drifts_is_tried_where_time_does_not_go_as_the_stretch_does(
+    back: bool, paces: tuple[float, float], tried: bool
+) -> None:
+    out = np.linspace(1.0, 1.4, 20)
+    lam = np.concatenate([out, out[-2::-1]]) if back else out
+    done = [
+        TestCurve("uniaxial", lam, lam - 1.0, time_s=np.arange(len(lam)) / pace, source=f"{k}")
+        for k, pace in enumerate(paces)
+    ]
+    offsets = fabric_problem(laws()["neo-hookean"], (0.2,), done).effect("load-offset")
+    for name in ("drift", "settling", "smooth"):
+        assert bool(offsets.form(name).simpler) is tried
+
+
+@pytest.mark.parametrize("name", ["flow", "smooth", "smooth-flow"])
+def test_a_smooth_set_finds_what_section_is_left_where_nobody_measured_across(name: str) -> None:
+    context = replace(fabric_context(), transverse=False)
+    width = forms("fabric", "permanent-set", context)[name].constants[-1]
+    assert (width.name, width.low < width.high) == ("contraction", name != "flow")

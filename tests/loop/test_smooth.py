@@ -327,3 +327,41 @@ def test_a_stiffness_that_goes_with_no_logarithm_of_the_rate_is_the_rate_alone()
         tests.append(TestCurve("uniaxial", stretch, stress, time_s=time, source=f"{rate}", specimen=f"{rate}"))
     done = close(fabric_problem(law("yeoh-3"), (0.2, 0.05, 0.01), tests), design=False)
     assert (done.verdict, done.after.ids) == ("effect", ("rate",))
+
+
+def test_the_time_of_one_branch_is_found_where_it_falls_with_the_strain() -> None:
+    """Waits at four strains, of a branch of 200 s at rest and 200 exp(-9 e) s: its time lies where it does."""
+    random, tests = np.random.default_rng(4), []
+    for number, top in enumerate((0.15, 0.3, 0.45, 0.6)):
+        time = np.concatenate([np.linspace(0.0, 5.0 * top, 60), 5.0 * top + np.geomspace(0.1, 400.0, 300)])
+        strain = np.minimum(0.2 * time, top)
+        elastic = 0.12 * (1.0 + strain - (1.0 + strain) ** -2)
+        kept, q = [0.0], 0.0
+        for step, before, after, e in zip(np.diff(time), elastic, elastic[1:], strain[1:], strict=False):
+            fall = np.exp(-step * np.exp(9.0 * e) / 200.0)
+            q = q * fall + 0.45 * (after - before) * np.sqrt(fall)
+            kept.append(q)
+        stress = 0.55 * elastic + np.array(kept) + 6e-4 * random.standard_normal(len(time))
+        some = np.unique([*range(0, 60, 2), *range(60, 360, 6)])
+        tests.append(TestCurve("uniaxial", 1.0 + strain[some], stress[some], time_s=time[some], source=f"{number}"))
+    found = close(fabric_problem(law("neo-hookean"), (0.06,), tests), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("rate",))
+
+
+def test_damage_that_comes_with_the_way_led_is_no_relaxation() -> None:
+    """Eight cycles of which each softens on, at one pace: by half of what is to come every 0.4 of the way."""
+    random, tests = np.random.default_rng(7), []
+    for number, turns in enumerate(([1.25, 1.0] * 3 + [1.5, 1.0] * 4, [1.5, 1.0] * 5)):
+        corners = np.array([1.0, *turns])
+        way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))])
+        led = np.unique(np.concatenate([np.linspace(0.0, way[-1], 600), way]))
+        lam = np.interp(led, way, corners)
+        peak, gone, softer = np.maximum.accumulate(lam), 0.0, []
+        for k, step in enumerate(np.diff(led, prepend=0.0)):
+            gone += max(0.5 * (1.0 - np.exp(-(peak[k] - 1.0) / 0.35)) - gone, 0.0) * (1.0 - 2.0 ** (-step / 0.4))
+            softer.append(1.0 - gone)
+        stress = 0.2 * np.array(softer) * (lam - lam**-2) + 1e-3 * random.standard_normal(len(lam))
+        some = np.isin(led, way) | (np.arange(len(led)) % 3 == 0)
+        tests.append(TestCurve("uniaxial", lam[some], stress[some], time_s=50.0 * led[some], source=f"{number}"))
+    found = close(fabric_problem(law("neo-hookean"), (0.1,), tests), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("mullins",))

@@ -111,3 +111,14 @@ def test_softening_a_document_knows_is_read_off_its_stiffness(name: str) -> None
     document = MaterialDocument(model=name, parameters=plain)
     soften(document, [0.01], 20.0, [20.0, 60.0], "exponential")
     np.testing.assert_allclose(_known(document, np.array([20.0, 60.0]), 20.0), [1.0, np.exp(-0.4)], rtol=1e-12)
+
+
+def test_a_softening_smooth_in_heat_is_written_at_each_temperature_met() -> None:
+    """From 20 to 80 degC by exp(-0.6); at 50 degC, half way, by what it is told there."""
+    document = MaterialDocument(model="yeoh-3", parameters=constants("yeoh-3"))
+    soften(document, [0.8, 20.0, 80.0, 0.0, 0.0, 0.4, 0.6], 20.0, [50.0, 80.0], "smooth-heat")
+    assert document.temperatures is not None
+    first = document.temperatures[0].parameters
+    for row, factor in zip(document.temperatures, (1.0, np.exp(-0.4), np.exp(-0.6)), strict=True):
+        for name, value in first.items():
+            assert row.parameters[name] == pytest.approx(factor * value, rel=1e-6)

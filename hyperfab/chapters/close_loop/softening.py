@@ -104,14 +104,20 @@ def _at(
     if form in LAWS:
         return scaled(own, float(LAWS[form](np.array(reference + rise), reference, *map(float, values))))
     reach = np.linspace(0.0, values[0], 41)[1:]
-    pull = replace(uniaxial_pull(1.0 + reach), temperature_degC=np.full_like(reach, rise))
-    return nearest(law, pull, own, {"thermal-softening": (form, np.array(values))})
+    pull = replace(uniaxial_pull(1.0 + reach), temperature_degC=np.full_like(reach, reference + rise))
+    return nearest(law, pull, own, {"thermal-softening": (form, np.array(values))}, reference)
 
 
-def nearest(law: Law, pull: Path, own: Mapping[str, float], terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+def nearest(
+    law: Law,
+    pull: Path,
+    own: Mapping[str, float],
+    terms: Mapping[str, tuple[str, Array]],
+    reference_degC: float = 0.0,
+) -> dict[str, float]:
     """Return the constants with which the law alone comes nearest, over a uniaxial pull, to the law with ``terms``."""
     constants = np.array([own[name] for name in law.names])
-    stress = Fabric(law, pull, 0.0).stress(constants, None, terms)
+    stress = Fabric(law, pull, reference_degC).stress(constants, None, terms)
     weight = np.full_like(stress, 1.0 / float(np.max(np.abs(stress))))
     tests = [TestCurve("uniaxial", pull.stretch, stress, weight)]
     if isinstance(law, HyperfoamLaw):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hyperfab.materials.effects.path import Acts, Path, State
+from hyperfab.materials.effects.recurrence import towards
 from hyperfab.materials.effects.smooth import through
 from hyperfab.materials.effects.ways import amount as amount_of_each_way
 from hyperfab.materials.effects.ways import each_way
@@ -68,6 +69,23 @@ def damaged(peak: Array, amount: float, strain: float, power: float = 1.0) -> Ar
     array([1.])
     """
     return np.asarray(1.0 + amount * np.expm1(-(((peak - 1.0) / strain) ** power)))
+
+
+def damaged_on_the_way(path: Path, amount: float, strain: float, power: float, way: float) -> Array:
+    """Return the factor of damage that comes as the specimen is led on, out and back, over a strain ``way``.
+
+    It nears ``amount (1 - exp(-(em/strain)^power))`` of the largest strain em so far, and never goes back: the first
+    cycles to a stretch go on softening. Lion (1996), Continuum Mech. Thermodyn. 8, 153, doi:10.1007/BF01181853.
+
+    >>> from hyperfab.materials.effects.path import uniaxial_pull
+    >>> pulls = uniaxial_pull(np.array([1.0, 1.5, 1.0, 1.5]))
+    >>> damaged_on_the_way(pulls, 0.5, 0.1, 1.0, 0.5).round(3)
+    array([1.   , 0.686, 0.571, 0.528])
+    """
+    first = list(path.starts[:-1])
+    keep = np.exp(-np.abs(np.diff(path.stretch, prepend=1.0)) / way)
+    keep[first] = 0.0
+    return np.asarray(1.0 - towards(keep, 1.0 - damaged(path.peak, amount, strain, power)))
 
 
 def worn_smoothly(at: State, stress: Array, values: Array, *, by_energy: bool = False) -> Array:
@@ -149,6 +167,7 @@ FORMS: Mapping[str, Acts] = {
     "smooth-energy-each-way": each_way(_worn_by_energy),
     "damage": _by_damage,
     "damage-power": _by_damage,
+    "damage-way": lambda at, stress, values: stress * damaged_on_the_way(at.path, *values),
 }
 #: What those forms take towards rest, as a share of the load, whose bounds do not hold it.
 TAKES: Mapping[str, Callable[[Path, Array], Array]] = {

@@ -62,6 +62,25 @@ def with_strain(at: State, stress: Array, values: Array) -> Array:
     return np.asarray(stress * np.exp(-rise * (softening + more) - curvature * rise**2))
 
 
+def by_heat(at: State, stress: Array, values: Array) -> Array:
+    """Return the stress of a fabric whose stiffness is a smooth function of temperature, and otherwise at another
+    strain.
+
+    ``P exp(softened(T0) - softened(T) - dT more(e/reach))``, T0 the reference: ``values`` are the reach, the coldest
+    and the hottest [degC], what is ``more`` [1/K] at halves of the reach, and ``softened`` at even parts of the way
+    from the coldest to the hottest, 0 at the first. A stiffness of each temperature tested: ISO 6721-1.
+    """
+    reach, cold, hot = values[:3]
+
+    def softened(degrees: Array) -> Array:
+        return through((degrees - cold) / (hot - cold), values[5:])
+
+    degrees = at.path.temperature_degC
+    more = through(np.maximum(at.path.stretch - 1.0, 0.0) / reach, values[3:5])
+    fallen = softened(degrees) - softened(np.array([at.reference_degC])) + (degrees - at.reference_degC) * more
+    return np.asarray(stress * np.exp(-fallen))
+
+
 #: The law of each form: of the temperature, the reference and the form's constants.
 LAWS: Mapping[str, Callable[..., Array]] = {"exponential": factor, "curved": factor, "glass": towards_glass}
 
@@ -71,4 +90,7 @@ def _acts(law: Callable[..., Array]) -> Acts:
 
 
 #: What each form makes of the stress.
-FORMS: Mapping[str, Acts] = {form: _acts(law) for form, law in LAWS.items()} | {"smooth": with_strain}
+FORMS: Mapping[str, Acts] = {form: _acts(law) for form, law in LAWS.items()} | {
+    "smooth": with_strain,
+    "smooth-heat": by_heat,
+}

@@ -79,6 +79,12 @@ def hysteresis(context: DataContext) -> Effect:
             ((0.05 * peak, 0.05 * peak, 0.03 * peak, 0.3 * peak),),
             refines="stop",
         ),
+        Form(
+            "bouc-wen",
+            (rub, dry, turn, replace(power, low=0.5, high=8.0), Constant("closing", 1.0, 0.4, 1.5, 0.2)),
+            ((0.1, 0.02 * peak, 0.1 * reach, 1.5, 0.7),),
+            refines=("friction", "dry"),
+        ),
         Form("bent", (Constant("power", 0.0, 0.0, 5.0, 0.1),), ((0.3,), (1.0,)), ((0.05,),)),
     )
     shares = [Constant(f"share_{k}", 0.0, 0.0, 0.9, 0.1) for k in range(1, 5)]
@@ -109,6 +115,8 @@ def mullins(context: DataContext) -> Effect:
     outer = Constant("outer", 1.0, 0.2, 4.0, 0.3)
     kept = Constant("kept", 0.0, 0.0, 0.98, 0.2)
     strain = Constant("strain", 0.5 * reach, 0.02 * reach, 20.0 * reach, reach)
+    shape = (Constant("power", 1.0, 0.3, 5.0, 0.3),)
+    way = Constant("way", reach, 0.02 * reach, 100.0 * reach, reach)
     wider = (Constant("amount", 0.0, 0.0, 3.0, 0.1), power, outer, Constant("growth", 0.0, -1.0, 3.0, 0.3))
     forms = (
         Form(
@@ -134,9 +142,15 @@ def mullins(context: DataContext) -> Effect:
         ),
         Form(
             "damage-power",
-            (amount, strain, Constant("power", 1.0, 0.3, 5.0, 0.3)),
+            (amount, strain, *shape),
             ((0.3, 0.5 * reach, 1.5),),
             refines="damage",
+        ),
+        Form(
+            "damage-way",
+            (amount, strain, *shape, way),
+            tuple((0.3, 0.5 * reach, 1.5, far * reach) for far in (0.3, 3.0)),
+            refines=("damage", "damage-power"),
         ),
     )
     deep = [Constant(f"depth_{k}", 0.0, -0.5, 2.0, 0.1) for k in range(1, 4)]
@@ -217,11 +231,13 @@ def permanent_set(context: DataContext) -> Effect:
 def _contracting(context: DataContext, form: Form) -> Form:
     """Return a set that contracts the strip as a pull to its length does, to a power: 0 is not at all.
 
-    Where nobody measured across, nothing is known of it.
+    Where nobody measured across, nothing is known of it but by the section that is left, which a formula takes for that
+    of what has flowed, and a smooth law finds.
     """
     if form.name not in SETS:
         return form
-    width = Constant("contraction", 1.0, 0.0, 1.5, 0.2) if context.transverse else fixed("contraction", 1.0)
+    told = context.transverse or (form.free and SETS[form.name].flows)
+    width = Constant("contraction", 1.0, 0.0, 1.5, 0.2) if told else fixed("contraction", 1.0)
     powers = (1.0, 0.0) if context.transverse else (1.0,)
     return replace(
         form,

@@ -108,7 +108,10 @@ def rate(context: DataContext) -> Effect:
         ),
         Form("log-rate", (Constant("amount", 0.0, -0.5, 0.5, 0.02),), ((0.05,),), ((0.01,),)),
     )
-    ends = (fixed("first_s", 0.5 * step), fixed("last_s", whole))
+    # Of few branches the times are where they are, not at even parts between ends that are given.
+    first, last = 0.5 * step, whole
+    middle = float(np.sqrt(first * last))
+    ends = Constant("first_s", first, 0.1 * first, middle, first), Constant("last_s", last, middle, 10.0 * last, last)
     quick = Constant("quick", 0.0, -6.0 / context.reach, 12.0 / context.reach, 1.0)
     start = (0.5 * step, whole, 0.0, 0.0, *6 * (0.1,))
     frees = [freely(forms, "smooth", (*ends, bend, quick, *_shares(6)), start)]

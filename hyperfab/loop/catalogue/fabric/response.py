@@ -339,11 +339,16 @@ def thermal_softening(context: DataContext) -> Effect:
     more = [Constant(f"with_strain_{k}_1_K", 0.0, -5.0 / span, 5.0 / span, 0.1 / span) for k in (1, 2)]
     start = (context.reach, 0.2 / span, *3 * (0.0,))
     smooth = freely(forms, "smooth", (reach, linear, curvature, *more), start)
+    parts = min(max(len(context.temperatures) - 1, 2), 4)
+    softened = [Constant(f"softened_{k}", 0.0, -8.0, 8.0, 0.1) for k in range(1, parts + 1)]
+    ends = fixed("coldest_degC", low), fixed("hottest_degC", high)
+    falls = (context.reach, low, high, 0.0, 0.0, *(0.3 * k / parts for k in range(1, parts + 1)))
+    by_heat = freely(forms, "smooth-heat", (reach, *ends, *more, *softened), falls)
     return Effect(
         id="thermal-softening",
         title="stiffness changes with temperature",
         not_sought="" if several else "the tests state one temperature at most",
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
-        forms=(*forms, smooth),
+        forms=(*forms, smooth, *tried_if(len(context.temperatures) > 3, by_heat)),
     )
