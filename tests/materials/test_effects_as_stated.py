@@ -13,7 +13,6 @@ from pathlib import Path as File
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from hyperfab.materials.effects.fabric import Fabric
@@ -180,23 +179,6 @@ def slide(
         return found
 
     return force
-
-
-def turning(scale: float, power: float, closing: float) -> Callable[[Row], float]:
-    """``dz = sign(dl) (1 - |z|^power (1 - closing + closing sign(z dl))) |dl|/scale``, integrated finely."""
-
-    def state(row: Row) -> float:
-        way = (row.l - row.from_l) / scale
-        sign = math.copysign(1.0, way)
-
-        def pace(_: float, z: Sequence[float]) -> list[float]:
-            along = closing * math.copysign(1.0, z[0] * sign)
-            return [sign * (1.0 - abs(z[0]) ** power * (1.0 - closing + along))]
-
-        begin = state(row.before) if row.before else 0.0
-        return float(solve_ivp(pace, (0.0, abs(way)), [begin], rtol=1e-10, atol=1e-12).y[0, -1]) if way else begin
-
-    return state
 
 
 def damage(amount: float, strain: float, power: float, way: float) -> Callable[[Row], float]:
@@ -411,8 +393,6 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
     ("hysteresis", "friction", (0.1, 0.2),
      lambda r: P(r.l) + slide(lambda q: 0.1 * P(q.l), 0.2, lambda q: q.l, 1.0)(r)),
     ("hysteresis", "dry", (0.02, 0.2), lambda r: P(r.l) + slide(lambda q: 0.02, 0.2, lambda q: q.l, 1.0)(r)),
-    ("hysteresis", "bouc-wen", (0.1, 0.02, 0.2, 2.0, 0.7),
-     lambda r: P(r.l) + (0.1 * P(r.l) + 0.02) * turning(0.2, 2.0, 0.7)(r)),
     ("hysteresis", "friction-dry", (0.1, 0.2, 0.02, 0.1),
      lambda r: P(r.l) + slide(lambda q: 0.1 * P(q.l), 0.2, lambda q: q.l, 1.0)(r)
      + slide(lambda q: 0.02, 0.1, lambda q: q.l, 1.0)(r)),
@@ -662,7 +642,7 @@ STATED += [
     if (effect, form) in {("mullins", "smooth"), ("mullins", "smooth-energy"), ("rate", "smooth")}
 ]
 #: Forms that go from reading to reading by steps, on both sides, or find the load of a specimen between such.
-BY_STEPS = ("bouc-wen", "finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
+BY_STEPS = ("finite", "finite-2", "yields", "yields-curved", "slips", "smooth-force", "smooth-slip")
 ELSEWHERE = (
     {("compressibility", "split")}
     | {("anisotropy", form) for form in ("threads", "threads-each", "bias-threads", "bias-threads-nearest", "sheet")}

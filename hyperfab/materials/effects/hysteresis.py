@@ -7,15 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.arrays import Flags
 from hyperfab.materials.effects.path import Acts, Path, State
 from hyperfab.materials.effects.recurrence import along
 from hyperfab.materials.effects.ways import each_way
 from hyperfab.materials.law import Array
-from hyperfab.numerics.kernels import inlined, kernel
-
-#: Steps over a turn of friction, and between two rows at most.
-_STEPS, _MOST_STEPS = 12.0, 120
 
 
 @dataclass(frozen=True)
@@ -56,60 +51,6 @@ def friction(path: Path, stretch: Array, slip: Array, strain: Array | float) -> 
     gain = path.longer * slip * -np.expm1(-moved / strain)
     keep[first] = 0.0
     return along(keep, gain)
-
-
-def slid(at: State, stress: Array, values: Array) -> Array:
-    """Return the stress with the friction of yarns that come to slide as sharply, and turn as stiffly, as is told.
-
-    The load's share that slides and the stress [MPa] that does beside it, times z between -1 and 1 with
-    ``dz = sign(dl) (1 - |z|^power (1 - closing + closing sign(z dl))) |dl|/turn_strain``; ``values`` are these five
-    constants. Bouc (1971), Acustica 24, 16; Wen (1976), J. Eng. Mech. Div. 102, 249. ``power`` and ``closing`` 1 are
-    Dahl's friction, a great ``power`` and ``closing`` 1/2 Prandtl's stop.
-
-    >>> from hyperfab.materials.effects.path import uniaxial_pull
-    >>> pull = uniaxial_pull(np.array([1.0, 1.1, 1.5]))
-    >>> state = State(pull, pull.stretch, 0.0 * pull.stretch, 20.0, None)
-    >>> slid(state, np.zeros(3), np.array([0.0, 0.2, 0.1, 1.0, 1.0])).round(4)
-    array([0.    , 0.1264, 0.1987])
-    """
-    share, level, turn, power, closing = values
-    led, begins = _led(at)
-    z: Array = _bouc_wen(led / turn, begins, float(power), float(closing))
-    return np.asarray(stress + (share * np.abs(stress) + level) * z)
-
-
-def _led(at: State) -> tuple[Array, Flags]:
-    """Return by how much each row is longer than the one before, from rest, and which rows begin a test."""
-    begins = np.zeros(len(at.stretch), dtype=np.bool_)
-    begins[list(at.path.starts[:-1])] = True
-    moved = np.abs(np.diff(at.stretch, prepend=1.0))
-    moved[begins] = np.abs(at.stretch[begins] - 1.0)
-    return at.path.longer * moved, begins
-
-
-@kernel
-def _bouc_wen(led, begins, power, closing):  # type: ignore[no-untyped-def]
-    found = np.empty_like(led)
-    z = 0.0
-    for i in range(len(led)):
-        if begins[i]:
-            z = 0.0
-        steps = min(int(abs(led[i]) * _STEPS) + 1, _MOST_STEPS)
-        h = led[i] / steps
-        for _ in range(steps):
-            a = h * _pace(z, h, power, closing)
-            b = h * _pace(z + 0.5 * a, h, power, closing)
-            c = h * _pace(z + 0.5 * b, h, power, closing)
-            d = h * _pace(z + c, h, power, closing)
-            z = min(max(z + (a + 2.0 * b + 2.0 * c + d) / 6.0, -1.0), 1.0)
-        found[i] = z
-    return found
-
-
-@inlined
-def _pace(z, h, power, closing):  # type: ignore[no-untyped-def]
-    along = closing if z * h > 0.0 else -closing
-    return 1.0 - min(abs(z), 1.0) ** power * (1.0 - closing + along)
 
 
 def friction_of_many(at: State, stress: Array, values: Array) -> Array:
@@ -180,7 +121,6 @@ FORMS: Mapping[str, Acts] = {
     "dry-two": Yarns(("stress", "stress")),
     "smooth": friction_of_many,
     "smooth-each-way": each_way(friction_of_many),
-    "bouc-wen": slid,
     "stop": Yarns(("stress",), by_stress=True),
     "stop-two": Yarns(("stress", "stress"), by_stress=True),
 }

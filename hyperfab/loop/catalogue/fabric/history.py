@@ -79,12 +79,6 @@ def hysteresis(context: DataContext) -> Effect:
             ((0.05 * peak, 0.05 * peak, 0.03 * peak, 0.3 * peak),),
             refines="stop",
         ),
-        Form(
-            "bouc-wen",
-            (rub, dry, turn, replace(power, low=0.5, high=8.0), Constant("closing", 1.0, 0.4, 1.5, 0.2)),
-            ((0.1, 0.02 * peak, 0.1 * reach, 1.5, 0.7),),
-            refines=("friction", "dry"),
-        ),
         Form("bent", (Constant("power", 0.0, 0.0, 5.0, 0.1),), ((0.3,), (1.0,)), ((0.05,),)),
     )
     shares = [Constant(f"share_{k}", 0.0, 0.0, 0.9, 0.1) for k in range(1, 5)]
