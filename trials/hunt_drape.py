@@ -166,6 +166,34 @@ def invariances(hunt: Hunt) -> None:
         )
 
 
+def membranes(hunt: Hunt) -> None:
+    """The same membrane of one energy for warp, weft and bias told otherwise."""
+    mirror, quarter = np.diag([-1.0, 1.0, 1.0]), turned_about("z", 90.0)
+    ground = {"C10_MPa": 0.05, "nu": 0.35, "k1_bias_MPa": 0.05, "k2_bias": 1.0, "bias_deg": 45.0, "G_MPa": 0.02}
+
+    def sheet(way: str, across: str, factor: float = 1.0) -> str:
+        constants = {**ground, f"k1_{way}_MPa": 0.15, f"k2_{way}": 1.2, f"k1_{across}_MPa": 0.06, f"k2_{across}": 2.0}
+        return law("orthotropic", **{k: v * (factor if k.endswith("_MPa") else 1.0) for k, v in constants.items()})
+
+    plain, turned = sheet("warp", "weft"), sheet("weft", "warp")
+    for name in ("ball", "hill"):
+        mold, shell = MOLDS[name], partial(drape, sheet="membrane")
+        same = partial(alike, hunt, f"membrane, {name}", partial(shell, mold, plain))
+        same("mirrored", lambda m=mold, s=shell: s(m.moved(mirror), plain))
+        same(
+            "a quarter turn, warp for weft",
+            lambda m=mold, s=shell: s(m.moved(quarter), turned, grid="27x31", size="170mmx200mm"),
+            SWAPPED,
+        )
+        same("shifted far", lambda m=mold, s=shell: s(m.moved(shift=[1234.5, -321.0, 77.7]), plain))
+        same("every facet split in four", lambda m=mold, s=shell: s(m.split(), plain))
+        same(
+            "stresses 1e5 times",
+            lambda m=mold, s=shell: s(m, sheet("warp", "weft", 1e5)),
+            {key: 1e5**power for key, power in STRESS.items()},
+        )
+
+
 def balances(hunt: Hunt) -> None:
     """The press's force is the rate of the energy, whatever the sheet resists with."""
     fine = ball(60.0, 96, 192)
@@ -304,13 +332,19 @@ def known(hunt: Hunt) -> None:
             {"depth": "40mm"},
         ),
         "friction of 2": (ball(60.0), {"friction": "2"}),
+        "a hill that rubs a little": (MOLDS["hill"], {"friction": "0.05"}),
+        "a hill that rubs much, in many steps": (MOLDS["hill"], {"friction": "0.6", "load_steps": "40"}),
+        "a membrane that rubs on a hill": (MOLDS["hill"], {"friction": "0.25", "sheet": "membrane"}),
         "friction and one load step": (ball(60.0), {"friction": "0.3", "load_steps": "1"}),
         "weight of 20 kg/m^2": (ball(60.0), {"mass": "20 kg/m^2", "prestretch": "1.05"}),
         "mounted three times as large": (ball(60.0), {"prestretch": "3"}),
         "one edge held alone slides": (ball(60.0), {"clamp": "x-,x+,y-", "slide": "y+"}),
     }
     # In valleys as narrow as a few facets a node rests in one facet or the next: what that makes goes with their size.
-    finer = {"waves": graph(waves, (70.0, 60.0), (180, 160), -60.0)}
+    finer = {
+        "waves": graph(waves, (70.0, 60.0), (180, 160), -60.0),
+        "a hill that rubs a little": graph(skew, (75.0, 65.0), (180, 160), -20.0),
+    }
 
     def mirrored(mold: Solid, options: dict[str, Any]) -> tuple[bool, float, str]:
         one, two = drape(mold, **options), drape(mold.moved(np.diag([1.0, -1.0, 1.0])), **options)
@@ -385,7 +419,7 @@ def known(hunt: Hunt) -> None:
 def main() -> int:
     """Run the cases and count."""
     hunt = asked(sys.argv)
-    for part in (invariances, balances, known):
+    for part in (invariances, membranes, balances, known):
         part(hunt)
     return hunt.ended("hf drape")
 

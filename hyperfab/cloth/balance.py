@@ -8,6 +8,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.threads import in_rows
 
 from .contact import Laid, move, settle
+from .friction import Friction
 from .halves import mirrors, reflect
 from .membrane import energy_of
 from .mirror import mean
@@ -80,24 +81,24 @@ class Balance:
         """Seek shapes that are not even from now on."""
         self.mirrors, self.fixed = (), self._free
 
-    def settle(self, now: State) -> None:
+    def settle(self, now: State, friction: Friction | None = None) -> None:
         """Decide the contact of every node under the forces; nodes put onto a valley or off an edge change them."""
         self.released = 0
         while True:
-            released, moved = self._settled(now)
+            released, moved = self._settled(now, self.f if friction is None else self.f + friction.against(now.x))
             self.released += released
             if not moved:
                 return
             self.forces(now)
 
-    def _settled(self, now: State) -> tuple[int, int]:
+    def _settled(self, now: State, rubbed: Array) -> tuple[int, int]:
         """Decide the contact once: how many nodes were let go, and how many moved."""
         n, m = self.size
         mold, found = self.model.mold, {}
         given = (mold, self.model.net, self.laid(), self.fixed, 1e-3 * self.tolerance * self.strongest)
 
         def work(first: int, last: int) -> None:
-            found[first] = settle(now, self.f, *given, self.before, self.q, self.r, self.press, first, last)
+            found[first] = settle(now, self.f, rubbed, *given, self.before, self.q, self.r, self.press, first, last)
 
         # A node that is put beside a sharp edge changes the pull on the next.
         if len(mold.creases.corners):

@@ -52,7 +52,7 @@ def move(  # noqa: C901
 ) -> None:
     """Nodes of rows ``first:last`` moved by ``alpha d`` and set back onto the mold where they are on or in it.
 
-    A node that goes over the same edge twice in a row (``crossed``) stops on it.
+    A node that goes over the same edge twice in a row (``crossed``) stops on it; at 2 it stops in valleys too.
     ``clear`` is a distance below which a free node's ball holds no part of the mold: most free nodes need no search.
     """
     x, state, slot, clear, crossed = now
@@ -104,12 +104,13 @@ def move(  # noqa: C901
                     if mold.creases.corners.shape[0] > 0:
                         state_t[i, j] = ON_FACE + 1 + sharp_edge_at(mold, slot[i, j], xt[i, j])
                     continue
-                if mold.turn[slot[i, j], edge] > SHARP:
-                    if crossed[i, j] > 0:
-                        for k in range(3):
-                            xt[i, j, k] = x[i, j, k] + s * (y[k] - x[i, j, k])
-                        state_t[i, j] = ON_FACE + 1 + edge
-                        continue
+                turn = mold.turn[slot[i, j], edge]
+                if (turn > SHARP and crossed[i, j] > 0) or (turn < -FLAT and crossed[i, j] > 1):
+                    for k in range(3):
+                        xt[i, j, k] = x[i, j, k] + s * (y[k] - x[i, j, k])
+                    state_t[i, j] = ON_FACE + 1 + edge
+                    continue
+                if turn > SHARP:
                     crossed_t[i, j] = 1
                     hint = unfold(mold, slot[i, j], edge, x[i, j], y, s)
             cx, cy, cz, near, feature = nearest_one(y[0], y[1], y[2], hint, mold, stack, stack_d)
@@ -185,6 +186,7 @@ def _projector(bits: int, normals: Array, count: int, q: Array) -> None:
 def settle(
     now: State,
     f: Array,
+    rubbed: Array,
     mold: Mold,
     net: Arrays,
     laid: Laid,
@@ -199,6 +201,7 @@ def settle(
 ) -> tuple[float, int, int, int, int]:
     """Decide the contact of every node of rows ``start:end`` under the forces f.
 
+    ``rubbed``: the forces with friction, by which a node keeps an edge or vertex that is not sharp, or goes on over it.
     Fills the projectors ``q``, the unbalanced force ``r`` and the normal force ``press`` (n, m) N; nodes are let go
     when the force points outward by more than ``slack`` N, or presses a membrane on a flat with less. ``before`` is the
     slot of each node before the last move.
@@ -229,7 +232,7 @@ def settle(
                 s = ON_FACE
             if s == ON_FACE:
                 if before[i, j] != slot[i, j] and before[i, j] >= 0:
-                    e = valley(mold, x[i, j], f[i, j], slot[i, j], before[i, j], u, t)
+                    e = valley(mold, x[i, j], rubbed[i, j], slot[i, j], before[i, j], u, t)
                     if e >= 0:
                         s = ON_FACE + 1 + e
                         state[i, j] = s
@@ -241,7 +244,7 @@ def settle(
                 s = pinned(mold, net, x, f, i, j, slot, s, bent, ways, hinges, slack)
                 moved += 1 if s != state[i, j] else 0
             elif s > ON_FACE:
-                s, slot[i, j], off = borne(mold, x[i, j], f[i, j], slot[i, j], s, slack, slots, t, u)
+                s, slot[i, j], off = borne(mold, x[i, j], rubbed[i, j], slot[i, j], s, slack, slots, t, u)
                 moved += off
             if s == FREE and state[i, j] != FREE:
                 changed += 1
@@ -270,7 +273,11 @@ def settle(
             r[i, j, 2] = p[2] * v[0] + p[4] * v[1] + p[5] * v[2]
             if s != FREE:
                 contacts += 1
-                press[i, j] = np.sqrt(max(dot(v, v) - dot(r[i, j], r[i, j]), 0.0))
+                v = rubbed[i, j] if s > ON_FACE else v  # what rubs a node across an edge does not press it on
+                a = v[0] - p[0] * v[0] - p[1] * v[1] - p[2] * v[2]
+                b = v[1] - p[1] * v[0] - p[3] * v[1] - p[4] * v[2]
+                c = v[2] - p[2] * v[0] - p[4] * v[1] - p[5] * v[2]
+                press[i, j] = np.sqrt(a * a + b * b + c * c)
             size = np.sqrt(dot(r[i, j], r[i, j]))
             if size > worst:
                 worst, where = size, i * m + j

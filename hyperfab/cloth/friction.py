@@ -18,6 +18,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
 
 from .mold import FREE, States
+from .state import State
 
 #: A node that slid less than this share of the spacing still counts as being where it stuck.
 STUCK = 1e-5
@@ -45,7 +46,7 @@ class Friction(NamedTuple):
     slot: Ints
     stick_slip: States
     most: Array  # (n, m) N, the largest friction
-    way: Array  # (n, m, 3) the way slid, of length 1; shorter where a node sticks
+    way: Array  # (n, m, 3) the way slid, of length 1, on an edge also across it; shorter where a node sticks
     slid: Array  # (n, m) mm
     blocked: npt.NDArray[np.bool_]
 
@@ -77,13 +78,20 @@ class Friction(NamedTuple):
         """Add to the nodes' own stiffness that the friction of a sliding node turns with its way."""
         _stiffen(self, q, extra)
 
-    def catch(self, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
-        """Stop nodes at their anchors that slid back to where they came from; True where there are such."""
-        return bool(_catch(self, x, contact, slot, clear))
+    def spent(self, x: Array, trial: State, q: Array) -> float:
+        """Work in N mm that rubbing takes, at the present largest forces, on the way from ``x`` to ``trial``.
 
-    def cost(self, x: Array, trial: Array, q: Array) -> float:
-        """Work in N mm that rubbing takes, at the present largest forces, on the way from ``x`` to ``trial``."""
-        return float(_cost(self, x, trial, q))
+        Nodes that slid back to where they came from are stopped there, at their anchors.
+        """
+        _catch(self, trial.x, trial.contact, trial.slot, trial.clear)
+        return float(_cost(self, x, trial.x, q))
+
+    def against(self, x: Array) -> Array:
+        """(n, m, 3) N: friction on nodes that have slid to ``x``, of the size last found."""
+        slid = x - self.anchor
+        length = np.linalg.norm(slid, axis=2)
+        slides = (self.stick_slip > NONE) & (length >= self.near)
+        return np.where(slides, -self.most / np.maximum(length, self.near), 0.0)[:, :, None] * slid
 
     def forces(self) -> Array:
         """(n, m, 3) N: friction on each node."""
@@ -114,12 +122,17 @@ def _resist(rub: Friction, x: Array, contact: States, press: Array, q: Array, r:
                 s[0] = p[0] * a + p[1] * b + p[2] * d
                 s[1] = p[1] * a + p[3] * b + p[4] * d
                 s[2] = p[2] * a + p[4] * b + p[5] * d
+                if p[0] + p[3] + p[5] < 1.5:  # on an edge: the way that led onto it counts too
+                    s[0], s[1], s[2] = a, b, d
                 length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
                 if length >= rub.near:
                     stick_slip[i, j], slid[i, j] = SLIDES, length
                     for k in range(3):
                         way[i, j, k] = s[k] / length
-                        v[k] -= c * way[i, j, k]
+                    w = way[i, j]
+                    v[0] -= c * (p[0] * w[0] + p[1] * w[1] + p[2] * w[2])
+                    v[1] -= c * (p[1] * w[0] + p[3] * w[1] + p[4] * w[2])
+                    v[2] -= c * (p[2] * w[0] + p[4] * w[1] + p[5] * w[2])
                 elif size <= c or rub.blocked[i, j]:
                     stick_slip[i, j] = STICKS
                     for k in range(6):
@@ -150,18 +163,20 @@ def _stiffen(rub: Friction, q: Array, extra: Array) -> None:
         for j in range(q.shape[1]):
             if rub.stick_slip[i, j] == SLIDES:
                 k, w, p, e = rub.most[i, j] / rub.slid[i, j], rub.way[i, j], q[i, j], extra[i, j]
-                e[0] += k * (p[0] - w[0] * w[0])
-                e[1] += k * (p[1] - w[0] * w[1])
-                e[2] += k * (p[2] - w[0] * w[2])
-                e[3] += k * (p[3] - w[1] * w[1])
-                e[4] += k * (p[4] - w[1] * w[2])
-                e[5] += k * (p[5] - w[2] * w[2])
+                a = p[0] * w[0] + p[1] * w[1] + p[2] * w[2]
+                b = p[1] * w[0] + p[3] * w[1] + p[4] * w[2]
+                d = p[2] * w[0] + p[4] * w[1] + p[5] * w[2]
+                e[0] += k * (p[0] - a * a)
+                e[1] += k * (p[1] - a * b)
+                e[2] += k * (p[2] - a * d)
+                e[3] += k * (p[3] - b * b)
+                e[4] += k * (p[4] - b * d)
+                e[5] += k * (p[5] - d * d)
 
 
 @kernel
-def _catch(rub: Friction, x: Array, contact: States, slot: Ints, clear: Array) -> bool:
+def _catch(rub: Friction, x: Array, contact: States, slot: Ints, clear: Array) -> None:
     anchor, stick_slip, way, blocked = rub.anchor, rub.stick_slip, rub.way, rub.blocked
-    caught = False
     for i in range(x.shape[0]):
         for j in range(x.shape[1]):
             blocked[i, j] = False
@@ -173,11 +188,9 @@ def _catch(rub: Friction, x: Array, contact: States, slot: Ints, clear: Array) -
             if ahead > 0.0:
                 continue
             blocked[i, j] = stick_slip[i, j] == STARTS
-            caught = caught or blocked[i, j]
             for k in range(3):
                 x[i, j, k] = anchor[i, j, k]
             contact[i, j], slot[i, j], clear[i, j] = rub.contact[i, j], rub.slot[i, j], 0.0
-    return caught
 
 
 @kernel

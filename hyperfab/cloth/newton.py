@@ -18,10 +18,32 @@ from .state import Equilibrium, State, Step
 PATIENCE = 12
 #: Where two steps in a row are cut below this share and the way of a spring jumps, that spring is left straight.
 SHORT = 2.0**-6
+#: Rises of the residual after which the steps of a sheet that rubs begin at half their length, at this share at least.
+ROCKS, SLOWEST = 2, 2.0**-4
 #: Steps allowed, and where nodes stop on sharp edges one by one.
 STEPS, SHARP_STEPS = 60, 240
 #: The linear systems are solved at least this well: setting them up costs more than a few inner steps.
 FORCING = 5e-3
+
+
+class Pace:
+    """The share of Newton's step that is tried first, at most ``longest``.
+
+    Friction goes by the normal forces of the step before. Where those answer strongly to the place, whole steps of a
+    sheet that ``rubs`` rock to and fro: they are halved where the residual rises again and again, and doubled where it
+    falls as they tell.
+    """
+
+    def __init__(self, longest: float, rubs: bool) -> None:
+        self.share, self._longest, self._rubs, self._rises = longest, longest, rubs, 0
+
+    def after(self, ratio: float) -> None:
+        """Heed a step that took the residual to ``ratio`` of what it was."""
+        self._rises += self._rubs and ratio > 1.0
+        if self._rises == ROCKS:
+            self.share, self._rises = max(0.5 * self.share, SLOWEST), 0
+        elif self._rubs and ratio < 1.0 - 0.5 * self.share:
+            self.share = min(2.0 * self.share, self._longest)
 
 
 def equilibrium(
@@ -63,11 +85,12 @@ def equilibrium(
         return balance.ended(now, "the law has no answer where the sheet begins", history)
     alpha, inner, relative_old, retried = 1.0, 0, 1.0, False
     lowest, least, idle = np.inf, np.inf, 0  # energy and residual, and steps since either fell
+    pace = Pace(longest, friction is not None)
     crawls = False  # the step before was cut below SHORT
     across = 0  # steps in a row that led over an edge of the mold to no lower energy
     status = "no equilibrium within the allowed steps"
     for iteration in range(largest + 1):
-        balance.settle(now)
+        balance.settle(now, friction)
         if friction is not None:
             balance.worst, balance.where = friction.resist(now.x, now.contact, balance.press, balance.q, balance.r)
         relative = balance.residual
@@ -84,24 +107,24 @@ def equilibrium(
             friction.stiffen(balance.q, tangent.diag)
         forcing = min(FORCING, max(1e-3, 0.5 * (relative / relative_old) ** 2)) if iteration else FORCING
         forcing = min(0.1, max(forcing, 0.3 * tolerance / relative))
+        pace.after(relative / relative_old)
         relative_old = relative
         solver(tangent, balance.r, d, forcing)
         even(d, balance.r, balance.q, balance.worst)
         inner, slope = solver.iterations, dot(balance.r, d)
         energy = balance.energy
-        alpha, laid, stops, left = longest, balance.laid(), False, False
+        alpha, laid, stops, valleys, left = pace.share, balance.laid(), False, False, False
         while True:
             balance.move(now, d, alpha, trial, laid)
-            spent = 0.0
-            if friction is not None:
-                friction.catch(trial.x, trial.contact, trial.slot, trial.clear)
-                spent = friction.cost(now.x, trial.x, balance.q)
+            spent = 0.0 if friction is None else friction.spent(now.x, trial, balance.q)
             energy_t, strongest_t = balance.found(trial, spare)
             rounding = 1e-14 * abs(energy) + 1e-300
             if energy_t + spent <= energy - 1e-4 * alpha * slope + rounding:
                 break
             if sharp and not stops:  # a way over a sharp edge may lead uphill: nodes stop on it first
                 now.crossed[:], stops = 1, True
+            elif alpha < SHORT and not valleys:  # nodes that step from slope to slope of a valley stop in it
+                now.crossed[:], valleys, alpha = 2, True, pace.share
             elif leaps:  # by the parabola through slope and energies: behind a jump the energy rises steeply
                 rise = energy_t + spent - energy
                 alpha *= min(0.5, max(0.1, 0.5 * slope * alpha / (rise + slope * alpha)))

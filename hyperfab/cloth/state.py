@@ -17,7 +17,7 @@ class State(NamedTuple):
     contact: States  # (n, m) FREE, or 1 + feature
     slot: Ints  # (n, m) facet on or near
     clear: Array  # (n, m) mm, free of the mold at least this far
-    crossed: States  # (n, m) 1: its last step led over a sharp edge
+    crossed: States  # (n, m) 1: its last step led over a sharp edge, where the next one stops; 2: in valleys too
 
     def assign(self, other: State) -> None:
         """Become as ``other``."""

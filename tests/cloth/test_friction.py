@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from hyperfab.cloth import Sheet, answers, drape, follow, mold_of, raised, tabulate
 from hyperfab.cloth.net import FIXED, X, Y, Z
 from hyperfab.cloth.path import clamped
+from hyperfab.surface import Surface
 
 RUBBER = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
 REACH, RADIUS, HEIGHT = 100.0, 60.0, 20.0  # clamps at +-REACH, centre of the cylinder at HEIGHT at the end
@@ -126,6 +127,37 @@ def test_friction_on_a_ball_costs_force_and_no_node_goes_in():
     # Nodes may rest in one facet or the next: where facets are twice as long, forces differ by 3e-4.
     straight = drape(sheet, raised(mold, 80.0))
     assert force[0.0] == pytest.approx(answers(sheet, raised(mold, 80.0), straight).press_force, rel=1e-4)
+
+
+def hill(cells: int) -> Surface:
+    """A hill without any symmetry in facets some of which meet in valleys, its top at 0."""
+    u, v = (np.linspace(-h, h, k) for h, k in ((75.0, cells + 1), (65.0, cells + 1)))
+    x, y = np.meshgrid(u, v, indexing="ij")
+    z = 50.0 * np.exp(-(((x - 8.0) / 48.0) ** 2) - ((y + 0.3 * x) / 42.0) ** 2)
+    k = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    a, b, c, d = k[:-1, :-1].ravel(), k[1:, :-1].ravel(), k[1:, 1:].ravel(), k[:-1, 1:].ravel()
+    corners = np.stack([x, y, z - z.max()], axis=-1).reshape(-1, 3)
+    return Surface(corners, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]))
+
+
+@pytest.mark.parametrize("mu", [0.05, 0.25, 0.9])
+@pytest.mark.parametrize("steps", [10, 20])
+def test_a_sheet_rubs_its_way_down_a_hill_whose_facets_meet_in_valleys(mu, steps):
+    # Rubbing, a node may be pushed into a valley from both sides where the springs alone lead it through; and where the
+    # normal force answers strongly to the place, whole steps overshoot.
+    mold = mold_of(hill(80))
+    sheet = Sheet(31, 27, (200.0, 170.0), 0.8, RUBBER, RUBBER)
+    *_, rest = follow(sheet, mold, np.linspace(0.0, 45.0, steps + 1)[1:], mu)
+    assert rest.height == pytest.approx(45.0)
+    assert rest.found.converged
+    # What the press does is stored or rubbed away: the trapezoid over a step is good to second order.
+    assert rest.work - rest.rubbed == pytest.approx(rest.found.energy, rel=0.03)
+
+
+def test_a_net_comes_to_rest_in_the_valleys_of_a_hill_within_the_steps_of_newton():
+    found = drape(Sheet(31, 27, (200.0, 170.0), 0.8, RUBBER, RUBBER), raised(mold_of(hill(80)), 45.0))
+    assert found.converged
+    assert len(found.history) < 60
 
 
 def test_the_edges_under_a_blank_holder_are_clamped_and_no_others():
