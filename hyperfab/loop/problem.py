@@ -217,6 +217,8 @@ class Problem(ABC):
     starts: tuple[Array, ...] = ()
     #: The own constants with what is known of them beforehand, where rows of their own speak for that.
     priors: tuple[Constant, ...] = field(default=(), kw_only=True)
+    #: What the model as it was given predicts, where that is not what it does with its ``own`` constants.
+    as_delivered: Array | None = field(default=None, kw_only=True)
     #: Noise that curves without replicates have at least, as a share of their largest reading: published curves are
     #: drawn smooth, and readings that repeat each other are no more sure than the specimen.
     least_noise: ClassVar[float] = 0.0

@@ -91,6 +91,20 @@ def test_angles_nobody_cut_are_predicted_and_the_model_is_one_law_of_the_sheet(h
         assert strip(sheet, angle, stretch).stress == pytest.approx(pulled(angle, stretch), abs=0.02 * peak)
 
 
+def test_a_model_of_warp_and_weft_is_judged_by_what_lies_between(hf: Run, tmp_path: Path) -> None:
+    measured = write(tmp_path, (0.0, 45.0, 90.0))
+    assert hf("fit", *measured, "--model", "yeoh-3", "-o", "cloth.json", cwd=tmp_path).returncode == 0
+    assert {"warp", "weft"} < set(json.loads((tmp_path / "cloth.json").read_text())["directions"])
+    done = hf("close-loop", "cloth.json", *measured, cwd=tmp_path)
+    found = json.loads(done.stdout)
+    assert b"one law for all directions" in done.stderr
+    assert [one["id"] for one in found["effects"]] == ["anisotropy"]
+    error = found["error"]
+    assert error["after"]["nrmse"] < 0.01
+    # As delivered, warp and weft were right, and between them their mean was taken for what is a third of it.
+    assert error["after"]["rms"] < error["delivered"]["rms"] < error["before"]["rms"]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("angles", [(0, 30, 60, 90), (0, 45, 75, 90), (0, 15, 45, 90)])
 def test_a_laminate_cut_at_four_angles_shows_its_threads(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,10 +16,12 @@ from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
+from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
+from hyperfab.curve import TestCurve
 from hyperfab.documents.base import Validity, parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
@@ -61,6 +64,16 @@ def run(job: Job, given: Given) -> int:
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
     problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
+    if problem.both and not document.effects and any(map(_slanted, tests.tests)):
+        as_delivered = delivered_of(problem)
+        document = document.model_copy(update={"directions": None})
+        problem = replace(
+            pose(document, given.name, tests, given.case.fix, given.case.prior), as_delivered=as_delivered
+        )
+        tests.warnings.append(
+            "constants along warp and weft tell nothing of what lies between, which these tests show: the loop starts "
+            "from one law for all directions"
+        )
     tests.warnings += map(str, misread(problem.curves, problem.measured))
     rows, free = len(problem.measured), len(problem.own)
     if rows < free + _SPARE:
@@ -97,6 +110,11 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.json").name
         _files(job, out, problem, found, tests.unit)
     return write(job, out, given, found, result)
+
+
+def _slanted(test: TestCurve) -> bool:
+    """Whether a test was cut between warp and weft, on either side of the warp."""
+    return bool(1.0 < min(test.angle_deg % 180.0, -test.angle_deg % 180.0) < 89.0)
 
 
 def _unturn(measured: Measured) -> None:
