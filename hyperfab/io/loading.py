@@ -25,6 +25,11 @@ from hyperfab.io.stated import conflicting, perhaps_gauge_length
 _LENGTHS = ("extension", "length", "position")
 #: By how much of its way an extension steps from the length beside it where it is counted anew, and at most elsewhere.
 _ANEW, _ALIKE = 0.02, 0.005
+#: A strain is not that of the extension beside it where they are apart by this factor: grips slip and yield by less.
+#: Where no gauge length is known, between these lengths of a specimen [mm].
+_GAINSAID, _SPECIMENS = 30.0, (1.0, 2000.0)
+#: Up to this strain a fabric's test in per cent may well be one in shares.
+_LITTLE = 0.0101
 #: A strain without a unit beyond this is a percentage somebody forgot to mark: no fabric stretches twenty-fold, and
 #: few test machines export a strain of more than three without its per cent.
 MAX_STRAIN, MAX_MACHINE_STRAIN = 20.0, 3.0
@@ -191,6 +196,8 @@ class _Reader:
             values = self._signed(values, column)
             if self.test == "simple-shear":
                 return values
+            if name == "strain":
+                self._refuse_gainsaid(column, place, values)
             if name == "true strain":
                 found = np.exp(values)
             elif name == "green strain":
@@ -207,6 +214,39 @@ class _Reader:
                 remedy="correct the cell; is the column a strain, or are columns swapped?",
             )
         return found
+
+    def _refuse_gainsaid(self, column: Column, place: str, strain: Array) -> None:
+        """Raise InputError where an extension beside a strain makes it a hundred times another: the heading's unit is
+        not that of the cells. Where there is none, a strain in per cent that is as little as a share is told."""
+        beside, head = self.roles.first(("extension",), place), column.heading
+        if self.sheet.layout.choice(head, self.sheet.headings) is not None:
+            return
+        if beside is None:
+            largest = float(np.abs(strain).max(initial=0.0))
+            if head.unit == "%" and 0.0 < largest <= _LITTLE:
+                self.notes.append(
+                    f"{head.title} is {100.0 * largest:.3g} % at most; where its cells are shares, say "
+                    + self.sheet.option([(head.title, "strain [-]")])
+                )
+            return
+        if not is_of(beside.heading.unit or "", "length") or not all(
+            map(is_number, self.sheet.columns[beside.heading.index])
+        ):
+            return
+        far, way = float(np.ptp(strain)), float(np.ptp(self._values(beside, "length", "extension")))
+        known = self.specimen.along(self._axis(column), "gauge length", "grip distance")
+        least, most = (known / _GAINSAID, known * _GAINSAID) if known else _SPECIMENS
+        if far <= 0.0 or least * far <= way <= most * far:
+            return
+        over = f" over {known:g} mm" if known else f", which is that of {0.001 * way / far:.3g} m"
+        unit = "-" if way > most * far else "%"
+        raise self.sheet.wrong(
+            f"a strain of {np.abs(strain).max():.3g} beside an extension of {way:.3g} mm{over}",
+            head,
+            remedy=f"where the cells are {'shares' if unit == '-' else 'per cent'}, say "
+            f"{self.sheet.option([(head.title, f'strain [{unit}]')])}; where the heading is right, "
+            f"{self.sheet.option([(beside.heading.title, 'aside')])}",
+        )
 
     def _from_displacement(self, column: Column) -> Array:
         """Return the shear strain of a layer whose faces moved along each other."""

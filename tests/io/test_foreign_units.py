@@ -58,3 +58,27 @@ def test_a_machine_numbers_its_channels_in_front_of_their_names() -> None:
     text = table("C_1_Temps[s];C_1_Déplacement[mm];C_1_Force[kN];C_1_Consigne[]", columns="{0};{0};{1};0.1")
     (curve,) = read_tests(text, "a.csv", test="uniaxial", geometry=STRIP)
     assert (curve.stretch[-1], curve.stress[-1]) == (pytest.approx(1.08), pytest.approx(1.6))
+
+
+@pytest.mark.parametrize(("head", "unit"), [("Strain (%)", "-"), ("Strain [-]", "%")], ids=["shares", "per cent"])
+@pytest.mark.parametrize("geometry", [STRIP, Geometry(width=5.0, thickness=1.0)], ids=["length known", "unknown"])
+def test_a_strain_that_the_extension_beside_it_gainsays_is_refused(head: str, unit: str, geometry: Geometry) -> None:
+    """Shares under a heading of per cent gave moduli a hundred times too large, without a word."""
+    strain = 1.0 if unit == "%" else 0.01  # of what the cells hold, a step of 0.5 mm on 50 mm
+    rows = "".join(f"{k * strain},{0.5 * k},{0.02 * k}\n" for k in range(6))
+    with pytest.raises(InputError) as found:
+        read_tests(f"{head},Extension (mm),Stress (MPa)\n{rows}".encode(), "a.csv", test="uniaxial", geometry=geometry)
+    assert f'"{head}=strain [{unit}]"' in str(found.value.remedy)
+
+
+def test_an_extension_of_the_grips_beside_that_of_marks_is_no_contradiction() -> None:
+    """Cloth slips out of grips, and rubber yields beside the marks: three times as much is usual."""
+    rows = "".join(f"{k},{1.5 * k},{0.02 * k}\n" for k in range(6))
+    text = f"Strain (%),Extension (mm),Stress (MPa)\n{rows}".encode()
+    (curve,) = read_tests(text, "a.csv", test="uniaxial", geometry=STRIP)
+    assert curve.stretch[-1] == pytest.approx(1.05)
+
+
+def test_a_strain_of_less_than_one_per_cent_is_told() -> None:
+    (curve,) = read_tests(b"Strain (%),Stress (MPa)\n0,0\n0.2,0.1\n0.5,0.3\n", "a.csv", test="uniaxial")
+    assert any("0.5 % at most" in note for note in curve.notes)
