@@ -42,6 +42,8 @@ _CAREFUL_SUPPORT, _LESS_SUPPORT, _MORE_SUPPORT = 1e-2, 0.3, 10.0
 #: where a step could lower the energy by no more than this part. From an equilibrium with more the next will hang, too.
 _MORE_STEPS, _SLACK_RESIDUAL = 16, 1e-6
 _HANGING_RESIDUAL, _NO_GAIN, _HANGS = 3e-4, 1e-7, 1e-7
+#: The same where the next, shorter creep begins: what hangs is told by the last one alone.
+_PASSING_RESIDUAL, _PASSING_GAIN = 1e-2, 1e-4
 #: A sheet with less than this part of (modulus times volume) as energy is slack.
 _SLACK_ENERGY = 1e-14
 #: Touching nodes lie on the punch to this [mm].
@@ -182,14 +184,15 @@ class Press:
         def rubbing(creep: float) -> Press:
             return replace(self, tangential=replace(friction, creep=creep))
 
-        state = rubbing(creep)._settled(depth, places, touching, memory, careful, careful)
+        state = rubbing(creep)._settled(depth, places, touching, memory, careful, careful, True)
         while creep > _LAST_CREEP * self.sheet.reach:
             # What sticks is to rub as much after the shorter slip.
             away = np.where(state.memory.sticking[:, None], state.memory.places - memory.origins, 0.0)
             away -= (away * state.memory.normal).sum(axis=1)[:, None] * state.memory.normal
             start = state.places - (1.0 - part) * away
+            passing = part * creep > _LAST_CREEP * self.sheet.reach
             try:
-                state = rubbing(part * creep)._settled(depth, start, state.touching, memory, careful, careful)
+                state = rubbing(part * creep)._settled(depth, start, state.touching, memory, careful, careful, passing)
             except NoEquilibriumError:
                 if part > _LEAST_CHANGE:
                     raise
@@ -199,15 +202,10 @@ class Press:
         return state
 
     def _settled(
-        self,
-        depth: float,
-        places: Array,
-        touching: Flags,
-        memory: Memory,
-        cold: bool = False,
-        careful: bool = False,
-    ) -> State:
-        """Return the equilibrium at which Newton's method settles. Raises NoEquilibriumError."""
+        self, depth: float, places: Array, touching: Flags, memory: Memory,
+        cold: bool = False, careful: bool = False, passing: bool = False,
+    ) -> State:  # fmt: skip
+        """Return where Newton's method settles, in what hangs but nearly if ``passing``. Raises NoEquilibriumError."""
         anchors = landings(memory, self.punch, depth)
         grip = self.tangential.begin(memory, anchors)
         touching = touching & self._movable
@@ -215,6 +213,7 @@ class Press:
         most = self.max_iterations * (_MORE_STEPS if careful else 1)
         hangs = careful and self.sheet.prestretch < 1.0
         hold, gain = _CAREFUL_SUPPORT, np.inf
+        most_left, least_gain = (_PASSING_RESIDUAL, _PASSING_GAIN) if passing else (_HANGING_RESIDUAL, _NO_GAIN)
         entered = np.zeros(len(places), int)
         last, facet = touching, None
         for iteration in range(most + 1):
@@ -228,13 +227,12 @@ class Press:
                     raise NoEquilibriumError("the sheet is stretched beyond the limit of its law")
                 places, settled = places - step, False
                 continue
-            left = _HANGING_RESIDUAL if gain < _NO_GAIN * system.sheet.energy else _SLACK_RESIDUAL
+            left = most_left if gain < least_gain * system.sheet.energy else _SLACK_RESIDUAL
             enough = max(self.tolerance, left if hangs else 0.0)
             if settled and grip.settled and system.worst < enough and system.gap < _GAP_TOLERANCE:
                 return self._state(depth, places, touching, system, iteration, (memory, anchors, grip))
             if careful and self._is_slack(system):
-                nothing = np.zeros_like(touching)
-                return self._state(depth, places, nothing, system, iteration, (memory, anchors, grip))
+                return self._state(depth, places, touching & False, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
             step, chosen, part = self._step(depth, places, touching, system, grip if careful else None)
             gain = -float((system.unbalanced * step).sum()) / part

@@ -33,6 +33,11 @@ _LEAP = 0.75
 _SHY = 0.8
 #: Rounds of the active-set method for a first guess of the shape.
 _MOST_ROUNDS = 40
+#: Up to this stretch of the way over the sphere a sheet that was mounted slack is begun from how it hangs, not from a
+#: film: where it bears next to nothing, that film is far from it.
+_BARELY = 1.02
+#: Points no farther from the punch than this [mm] touch it.
+_ON_PUNCH = 1e-9
 #: A depth is halved between two so often: to rounding.
 _HALVINGS = 60
 
@@ -120,11 +125,12 @@ def follow(press: Press, depths: Sequence[float], watch: Watch = lambda state: N
 
 
 def cold_start(press: Press, depth: float) -> State:
-    """Return the equilibrium at ``depth`` from nothing but a film stretched over the punch.
+    """Return the equilibrium at ``depth`` from nothing but a film stretched over the punch, or hung over it.
 
     Raises NoEquilibriumError.
     """
-    places, touching = film_over(press.sheet, press.punch, depth)
+    hung = hung_over(press.sheet, press.punch, depth)
+    places, touching = film_over(press.sheet, press.punch, depth) if hung is None else hung
     free = replace(press, tangential=Frictionless())
     try:
         # Parts of a sheet that was mounted slack hang.
@@ -275,6 +281,34 @@ def taut_at(press: Press, trace: Sequence[tuple[float, float]]) -> float | None:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if punch.way(sheet.reach, middle) <= length else (low, middle)
     return high
+
+
+def hung_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags] | None:
+    """Return places (n, 3) and touching nodes (n,) of a sheet that was mounted slack and bears nothing yet, or barely:
+    over the punch, and stretched no more than that takes. None where it bears more, and where no such shape is known.
+
+    Out to the nearest of the rim each line from the middle is drawn in alike, to the way over the sphere; beyond, the
+    sheet lies as it was mounted. Around the middle it is drawn in by more, for the way bends.
+    """
+    if not isinstance(punch, Sphere) or sheet.prestretch >= 1.0:
+        return None
+    length = sheet.reach / sheet.prestretch
+    if punch.way(sheet.reach, depth) > _BARELY * length:
+        return None
+    nodes, elements = sheet.mesh.nodes, sheet.mesh.elements
+    radius = np.linalg.norm(nodes, axis=1)
+    # Rounding moves no node of the rim.
+    inside = radius < (1.0 - 1e-9) * length
+    profile = punch.along(radius[inside] / length, sheet.reach, depth)
+    places = sheet.flat
+    places[inside, :2] = nodes[inside] * (profile[:, 0] / np.maximum(radius[inside], 1e-300))[:, None]
+    places[inside, 2] = profile[:, 1]
+    if sheet.mesh.order == 2:
+        # Over the fold in between a bent side would be stretched.
+        sides = elements[:, [[0, 1, 3], [1, 2, 4], [2, 0, 5]]].reshape(-1, 3)
+        one, two, middle = sides[np.ptp(inside[sides].astype(int), axis=1) > 0].T
+        places[middle] = 0.5 * (places[one] + places[two])
+    return places, inside & (punch.near(places, depth).gap <= _ON_PUNCH)
 
 
 def film_over(sheet: Sheet, punch: Punch, depth: float) -> tuple[Array, Flags]:

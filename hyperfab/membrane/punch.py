@@ -82,11 +82,30 @@ class Sphere:
         >>> Sphere(30.0).way(40.0, depth=0.0), round(Sphere(30.0).way(40.0, depth=30.0), 6)
         (40.0, 51.899375)
         """
+        angle, straight = self._leaving(reach, depth)
+        return self.radius * angle + straight
+
+    def along(self, part: Array, reach: float, depth: float) -> Array:
+        """Return distance from the axis and height (n, 2) [mm] of points at each ``part`` (n,) of that way.
+
+        >>> Sphere(30.0).along(np.array([0.0, 1.0]), 40.0, depth=30.0).round(9) + 0.0
+        array([[ 0., 30.],
+               [40.,  0.]])
+        """
+        angle, straight = self._leaving(reach, depth)
+        at = part * (self.radius * angle + straight)
+        on = np.minimum(at / self.radius, angle)
+        beyond = np.maximum(at - self.radius * angle, 0.0)
+        out = self.radius * np.sin(on) + beyond * np.cos(on)
+        return np.column_stack([out, depth - self.radius + self.radius * np.cos(on) - beyond * np.sin(on)])
+
+    def _leaving(self, reach: float, depth: float) -> tuple[float, float]:
+        """Return the angle from the axis at which the shortest way leaves the sphere, and how long it is from there."""
         far = np.hypot(reach, self.radius - depth)
         if far <= self.radius:
-            return np.inf
-        straight = np.sqrt(far**2 - self.radius**2)
-        return float(straight + self.radius * (np.arctan2(reach, self.radius - depth) - np.arccos(self.radius / far)))
+            return 0.0, np.inf
+        angle = np.arctan2(reach, self.radius - depth) - np.arccos(self.radius / far)
+        return float(angle), float(np.sqrt(far**2 - self.radius**2))
 
     def height(self, plane: Array, depth: float) -> Array:
         """Return the height of the upper half."""

@@ -31,6 +31,8 @@ _STEPS = 50
 _RESTING = 1e-12
 #: Rounding of energy and stress, over a modulus: what a law sums are terms of that size, however little is strained.
 _ROUNDING = 1e-15
+#: Largest turn of n (radians) in one step.
+_LARGEST_TURN = 0.3
 #: Directions tried where the one the law presses in leads nowhere.
 _DIRECTIONS = 24
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -163,7 +165,8 @@ class RelaxedSheet:
             H[flat, 1, 1] = 1.0
             g[flat, 1] = 0.0
             step = -np.linalg.solve(H, g[:, :, None])[:, :, 0]
-            step[:, 1] = np.clip(step[:, 1], -0.3, 0.3)
+            # The whole step shortened: with its turn alone cut off it need not go downhill.
+            step *= np.minimum(1.0, _LARGEST_TURN / np.maximum(np.abs(step[:, 1:]), 1e-300))
             length = np.ones(len(left))
             pending = np.arange(len(left))
             for _ in range(25):

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from hyperfab.materials import bind
-from hyperfab.membrane import friction_path, outline
+from hyperfab.membrane import equilibrium, friction_path, outline
 from hyperfab.membrane.contact import Coulomb, Frictionless, Memory, Stick
+from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.friction_path import run_with_friction
 from hyperfab.membrane.measures import fields
 from hyperfab.membrane.path import cold_start, follow
@@ -200,6 +201,25 @@ def test_a_square_mounted_slack_settles_with_friction():
     forces = [without.states[-1].force, *(path.states[-1].force for path in paths[1:])]
     assert forces == sorted(forces)
     assert forces[1] > 1.01 * forces[0]
+
+
+def test_what_hangs_is_settled_once_and_not_at_each_creep(monkeypatch):
+    """A square whose corners hang: the force that comes of settling them at each creep, in half the Newton steps."""
+    press, path = rough_path(_test(Frictionless(), 0.97, outline.Square(200.0, quarter=True)), [25.0])
+    free, step, steps = path.states[-1], Press._step, []
+    monkeypatch.setattr(Press, "_step", lambda *given: steps.append(0) or step(*given))
+    start = (26.5, free.places, free.touching, free.memory)
+
+    def rubbed():
+        steps.clear()
+        return replace(press, tangential=Coulomb(0.3)).equilibrium(*start, cold=True, careful=True).force, len(steps)
+
+    force, quick = rubbed()
+    monkeypatch.setattr(equilibrium, "_PASSING_RESIDUAL", equilibrium._HANGING_RESIDUAL)
+    monkeypatch.setattr(equilibrium, "_PASSING_GAIN", equilibrium._NO_GAIN)
+    settled, slow = rubbed()
+    assert force == pytest.approx(settled, rel=1e-5)
+    assert quick < 0.7 * slow
 
 
 @pytest.mark.slow

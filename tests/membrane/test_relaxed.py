@@ -8,6 +8,7 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.energy import Answer
+from hyperfab.membrane.orthotropic import orthotropic_sheet
 from hyperfab.membrane.relaxed import RelaxedSheet
 from hyperfab.membrane.tension_field import SLACK, TAUT, WRINKLED, IsotropicSheet
 
@@ -129,3 +130,19 @@ def test_a_sheet_at_rest_is_not_searched_for_wrinkles(monkeypatch):
     assert WRINKLED not in found.state
     assert np.abs(found.stress).max() < 1e-14
     assert np.abs(found.energy).max() < 1e-16
+
+
+def test_wrinkles_of_a_stiff_warp_are_found_from_the_first_guess():
+    """The kink where threads take up the load turns the wrinkles far; a shortened step must still go downhill."""
+    warp, weft = (bind("yeoh-2", {"C10_MPa": c, "C20_MPa": 0.1 * c}) for c in (1.0, 0.1))
+    sheet = orthotropic_sheet(warp, weft)
+    C = np.array([[0.99872, 0.9672, 0.09183], [0.99924, 0.99399, 0.01633], [0.99375, 1.00007, 0.05055]])
+    own = sheet.law.answer(C)
+    along = 0.5 * np.arctan2(2.0 * own.stress[:, 2], own.stress[:, 0] - own.stress[:, 1])
+    _, _, closed = sheet._minimum(C, along + 0.5 * np.pi, own)
+    assert closed.all()
+    width, angle = np.meshgrid(np.linspace(0.0, 0.15, 151), np.linspace(0.0, np.pi, 181))
+    c, s = np.cos(angle.ravel()), np.sin(angle.ravel())
+    for strain, energy in zip(C, own.energy, strict=True):
+        tried = strain + width.ravel()[:, None] * np.stack([c * c, s * s, c * s], axis=1)
+        assert energy <= np.nanmin(sheet.law.answer(tried).energy) < 1.01 * energy

@@ -15,7 +15,7 @@ from hyperfab.membrane.equilibrium import Press
 from hyperfab.membrane.measures import fields, wrinkled_fraction
 from hyperfab.membrane.mesh import sheet_mesh
 from hyperfab.membrane.meshing import triangulate
-from hyperfab.membrane.path import cold_start, taut_at
+from hyperfab.membrane.path import cold_start, hung_over, taut_at
 from hyperfab.membrane.punch import Sphere
 from hyperfab.membrane.sheet import Sheet
 from hyperfab.membrane.sphere_contact import Outcome, SphereTest, fitted_mesh, rough_path, run
@@ -180,6 +180,23 @@ def test_a_sheet_mounted_slack_bears_from_where_it_is_taut_on(shape):
     assert before == 0.0 < after
     assert taut_at(outcome.rough, outcome.trace) == pytest.approx(17.0493164157, abs=1e-9)
     assert taut_at(outcome.rough, outcome.trace[:1]) is None
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("shape", [outline.Disc(100.0, quarter=True), outline.Square(200.0, quarter=True)])
+def test_a_sheet_that_hangs_is_nowhere_stretched(shape, order):
+    """Drawn in to the way over the sphere, 100 mm at 23.906 mm, it lies there at once: nothing is sought."""
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    press, _ = rough_path(SphereTest(shape, law, 1.0, 40.0, 0.97, order=order), [3.0])
+    for depth in (3.0, 12.0, 22.0):
+        places, touching = hung_over(press.sheet, press.punch, depth)
+        assert press.sheet.principal(places).stretch.max() <= 1.0
+        assert press.punch.near(places, depth).gap.min() > -1e-9
+        assert touching.any()
+        np.testing.assert_array_equal(places[press.sheet.mesh.rim], press.sheet.flat[press.sheet.mesh.rim])
+        state = cold_start(press, depth)
+        assert (state.force, state.energy, state.iterations) == (0.0, 0.0, 0)
+    assert hung_over(press.sheet, press.punch, 40.0) is None
 
 
 def test_a_hair_of_slack_is_none():
