@@ -19,6 +19,9 @@ GAS = 8.31446261815324
 ZERO_CELSIUS = 273.15
 #: Gauss points through the thickness, and through the dwell's square root: heat enters a slab by the root of time.
 DEPTHS, TIMES = 6, 16
+#: Foam warms to its mold's temperature but for rounding: so little below a table's lowest, over the table's range or
+#: over 1 K where that is larger, is the lowest. As much counts as within what is known.
+_ROUNDED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -75,12 +78,13 @@ class Table:
         of_strain = curves[:, :, low] * (1.0 - part) + curves[:, :, _next(low, self.strains)] * part
         dwells = np.concatenate([[0.0], self.dwells])
         reached, places = np.zeros(len(strain)), np.arange(len(strain))
+        lowest = self.temperatures[0] - _ROUNDED * max(float(np.ptp(self.temperatures)), 1.0)
         for span, now in zip(spans, temperature, strict=True):
             low, part = _between(self.temperatures, now)
             curve = of_strain[low, :, places] * (1.0 - part)[:, None]
             curve += of_strain[_next(low, self.temperatures), :, places] * part[:, None]
             further = _read(dwells, curve, _when(dwells, curve, reached) + span)
-            reached = np.where(now >= self.temperatures[0], np.maximum(further, reached), reached)
+            reached = np.where(now >= lowest, np.maximum(further, reached), reached)
         return reached
 
     def at(self, temperature: ArrayLike, dwell: ArrayLike, strain: ArrayLike) -> Array:

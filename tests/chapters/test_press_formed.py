@@ -87,7 +87,7 @@ def test_at_one_temperature_the_law_is_its_closed_form(plates, monkeypatch):
     assert found["thickness_mean_mm"] == pytest.approx(4.5 - 2.5 * share(200.0, 20.0), abs=1e-9)
 
 
-def test_a_law_comes_back_from_thicknesses_that_it_left(plates, monkeypatch):
+def test_a_law_comes_back_from_thicknesses_that_it_left(plates, monkeypatch, capsys):
     rows = [(t, s, 5.0, 2.0, 5.0 - 3.0 * share(t, s)) for t in (150.0, 170.0, 190.0, 205.0) for s in (10.0, 30.0, 90.0)]
     head = "temperature [degC],dwell [s],before [mm],pressed [mm],after [mm]\n"
     (plates / "set.csv").write_text(head + "".join(",".join(repr(float(cell)) for cell in row) + "\n" for row in rows))
@@ -98,6 +98,13 @@ def test_a_law_comes_back_from_thicknesses_that_it_left(plates, monkeypatch):
     known = {entry["of"]: entry for entry in document["validity"]}
     assert known["set temperature_degC"]["known"] == [150.0, 205.0]
     assert known["set temperature_degC"]["within"]
+    # The law goes on beyond the longest dwell, and that is what is said.
+    capsys.readouterr()
+    _, longer = form(
+        plates, monkeypatch, 'set = { measured = "set.csv" }\n' + HOT, gap="2mm", **DWELL | {"dwell": "120s"}
+    )
+    assert longer["formed"]["set"]["share_mean"] == pytest.approx(share(200.0, 120.0), rel=1e-6)
+    assert "set dwell_s 120 (set.csv: 0 to 90; extrapolated)" in capsys.readouterr().err
 
 
 def test_a_table_is_read_between_its_rows_and_says_where_it_ends(plates, monkeypatch):

@@ -71,6 +71,8 @@ def test_a_table_knows_strains_and_sets_nothing_when_cold():
     table = Table(np.array([150.0, 190.0]), np.array([60.0]), np.array([0.2, 0.6]), shares)
     assert table.at(150.0, 60.0, [0.1, 0.2, 0.4, 0.9]) == pytest.approx([0.2, 0.2, 0.3, 0.4])
     assert table.at([149.0, 400.0], 600.0, 0.2) == pytest.approx([0.0, 0.6])
+    # Foam comes to its mold's temperature from below, and never quite.
+    assert table.at([150.0 - 1e-6, 149.9], 60.0, 0.2) == pytest.approx([0.2, 0.0])
     # Warm, then cold: what has set stays.
     history = np.array([[190.0], [20.0]])
     assert table.after(history, np.array([30.0, 100.0]), np.array([0.2])) == pytest.approx([0.3])

@@ -96,11 +96,11 @@ def note_ranges(job: Job, found: Formed, dwell: float, closed: Closed) -> None:
         return
     temperature, dwells, strain = found.setting.known
     source, there = found.setting.source, found.pressed
-    job.ranges.used(
-        "set temperature_degC", found.hottest[there], known=temperature, source=source,
-        then="below nothing sets, above as at the hottest" if found.setting.name == "table" else "extrapolated",
-    )  # fmt: skip
-    job.ranges.used("set dwell_s", [dwell], known=[0.0, *dwells], source=source, then="no more sets later")
+    colder, later = "extrapolated", "extrapolated"
+    if found.setting.name == "table":
+        colder, later = "below nothing sets, above as at the hottest", "no more sets later"
+    job.ranges.used("set temperature_degC", found.hottest[there], known=temperature, source=source, then=colder)
+    job.ranges.used("set dwell_s", [dwell], known=[0.0, *dwells], source=source, then=later)
     if len(np.unique(strain)) > 1:
         met = closed.press.sandwich.strain(closed.contact.gap)[there]
         job.ranges.used("set strain", met, known=strain, source=source, then="the nearest strain holds")
