@@ -13,11 +13,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import mpmath as mp
 import numpy as np
 from laws.constants import CONSTANTS
+from laws.laws_mp import energy
 from laws.laws_mp import stress as exact
 
-from hyperfab.materials import laws
+from hyperfab.errors import InputError
+from hyperfab.materials import bind, laws
+from hyperfab.materials.stability import Range, stable_ranges
 from trials.hunting import Array, File, Hunt, Ran, asked, headed, hf, scaled, strained
 
 STRETCH, STRESS = "stretch [-]", "stress [MPa]"
@@ -544,12 +548,65 @@ def refused(hunt: Hunt) -> None:
             hunt.judge(name, good, f"{ran.status} {ran.said.strip().splitlines()[-1][:100] if ran.said else ''}")
 
 
+def least(name: str, parameters: Mapping[str, float], l1: float, l2: float) -> float:
+    """Return the smaller over the larger eigenvalue of the energy's second derivatives by the logarithmic strains."""
+    step, one, two = mp.mpf(10) ** -12, mp.log(mp.mpf(l1)), mp.log(mp.mpf(l2))
+
+    def at(i: int, j: int) -> Any:
+        return energy(name, parameters, mp.exp(one + i * step), mp.exp(two + j * step))
+
+    try:
+        d11, d22 = at(1, 0) + at(-1, 0) - 2 * at(0, 0), at(0, 1) + at(0, -1) - 2 * at(0, 0)
+        d12 = (at(1, 1) + at(-1, -1) - at(1, -1) - at(-1, 1)) / 4
+        if any(mp.im(d) for d in (d11, d22, d12)):
+            return np.nan
+        d11, d22, d12 = (mp.re(d) for d in (d11, d22, d12))
+        middle, radius = (d11 + d22) / 2, mp.hypot((d11 - d22) / 2, d12)
+        return float((middle - radius) / (abs(middle) + radius))
+    except (ValueError, ZeroDivisionError):  # beyond the law's limit there is no energy
+        return np.nan
+
+
+def misjudged(name: str, parameters: Mapping[str, float], mode: str, told: Range) -> list[float]:
+    """Return stretches at which the range told is not what the energy's second derivatives say."""
+    nu = parameters["nu"] if name.startswith("blatz") else 0.5
+    inside = np.geomspace(max(told.low, 0.3), min(told.high, 6.0), 42)[1:-1]
+    ends = [told.high * 1.001] if told.ended_by == "instability" else []
+    ends += [told.low * 0.999] if told.low > 0.21 else []
+
+    def at(lam: float) -> float:
+        return least(name, parameters, lam, {"uniaxial": lam**-nu, "shear": 1.0, "biaxial": lam}[mode])
+
+    return [lam for lam in inside if not at(lam) > -1e-6] + [lam for lam in ends if at(lam) > 1e-4]
+
+
+def stability(hunt: Hunt) -> None:
+    """The stable range of each mode, of constants of any size and sign, by the second derivatives of the energy."""
+    draw = np.random.default_rng(5)
+    for name, usual in CONSTANTS.items():
+        said: list[str] = []
+        for _ in range(5):
+            own = np.array(usual) * 10.0 ** draw.uniform(-1.0, 1.0, len(usual)) * draw.choice([1, 1, -1], len(usual))
+            parameters = dict(zip(laws()[name].names, map(float, own), strict=True))
+            # The reference's error function of an imaginary argument is not told for k below zero.
+            if not hunt.wanted(f"stability: {name}") or parameters.get("k", 1.0) < 0.0:
+                continue
+            try:
+                ranges = stable_ranges(bind(name, parameters))
+            except InputError:
+                continue
+            said += [f"{parameters} {mode} {wrong}" for mode, told in ranges.items()
+                     if (wrong := misjudged(name, parameters, mode, told))]  # fmt: skip
+        if hunt.wanted(f"stability: {name}"):
+            hunt.judge(f"stability: {name}", not said, said[:1])
+
+
 def main() -> None:
     """Run the cases and count."""
     hunt = asked(sys.argv)
     known(hunt)
     invariances(hunt)
-    for part in (directions, warmth, choice, certainty, weights, prepared, refused):
+    for part in (directions, warmth, choice, certainty, weights, prepared, stability, refused):
         part(hunt)
     raise SystemExit(hunt.ended("fit"))
 
