@@ -130,7 +130,7 @@ def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> 
     """
     stated = {name: [test.others.get(name) for test in tests] for name in _others(tests)}
     shared = [name for name, values in stated.items() if 2 * len({*values}) <= len(tests)]
-    found: list[tuple[str, float, Array, Array, str]] = []
+    found: list[tuple[str, float, Array, tuple[Array, Array], str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
         how, pace = _how(test, path.moved(rows))
         how, way = " ".join([how, *(f"{test.others.get(name)}" for name in shared)]), _way(path, rows)
@@ -189,24 +189,31 @@ def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:
     return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}", pace
 
 
-def _way(path: Path, rows: slice) -> Array:
-    """Return the strains (turns, 2) at which a test turned, along the pull and across where that is given.
+def _way(path: Path, rows: slice) -> tuple[Array, Array]:
+    """Return the strains (turns, 2) at which a test turned, along the pull and across where that is given, and how far
+    beyond they may be (turns, 2): by the longer step between readings there.
 
     Not those at which it ended, but where both stretches are led: what two tests along one axis have in common does not
     hang on which of them went on.
     """
+    turns = rows.start + np.flatnonzero(np.diff(path.up[rows]) != 0)
     last = [rows.stop - 1] if path.mode[rows.stop - 1] == GENERAL else []
-    ends = np.array([*(rows.start + np.flatnonzero(np.diff(path.up[rows]) != 0)), *last], dtype=np.int64)
+    ends = np.array([*turns, *last], dtype=np.int64)
     across = np.where(path.mode[ends] == GENERAL, path.across[ends], 1.0)
-    return np.log(np.stack([path.stretch[ends], across], axis=1))
+    turned = np.log(np.stack([path.stretch[ends], across], axis=1))
+    steps = np.abs(np.diff(np.log(path.stretch[rows]), prepend=np.nan))
+    beyond = np.zeros_like(turned)
+    beyond[: len(turns), 0] = np.fmax(steps[turns - rows.start], steps[turns - rows.start + 1])
+    return turned, beyond
 
 
-def _is_same_way(one: Array, other: Array) -> bool:
-    """Whether two tests turned at the same places, but for a share of how far they went."""
-    if one.shape != other.shape:
+def _is_same_way(one: tuple[Array, Array], other: tuple[Array, Array]) -> bool:
+    """Whether two tests turned at the same places, but for a share of how far they went or the step of readings."""
+    (turned, beyond), (others, as_far) = one, other
+    if turned.shape != others.shape:
         return False
-    far = np.max(np.abs([one, other]), initial=0.0)
-    return bool(np.all(np.abs(one - other) <= SHARE * far))
+    far = np.max(np.abs([turned, others]), initial=0.0)
+    return bool(np.all(np.abs(turned - others) <= np.maximum(np.maximum(beyond, as_far), SHARE * far)))
 
 
 def states_of(path: Path, tests: Sequence[TestCurve], speed: Array) -> dict[str, Array]:

@@ -11,7 +11,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import clearly
 from hyperfab.materials.effects.path import REVERSAL
-from hyperfab.numerics.hygiene import turns
+from hyperfab.numerics.hygiene import sides, turns
 
 #: Specimens that what is usual of one cloth counts for, beside those that were compared.
 CLOTH_COUNTS = 2.0
@@ -62,7 +62,9 @@ def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array,
     """Return the second replicate minus the first at the second's places, their level, slope and mean sd there, and
     between which readings of the first that is, as a number of rows and a part of one."""
     found: list[tuple[Array, Array, Array, Array, Array]] = []
-    for one, other in zip(_ways(first), _ways(second), strict=False):
+    for one, other in _paired(first, second):
+        if len(one) == 0:
+            continue
         x1, x2 = first.places[one - first.start], second.places[other - second.start]
         order = np.argsort(x1, kind="stable")
         inside = (x2 >= x1[order[0]]) & (x2 <= x1[order[-1]])
@@ -117,10 +119,28 @@ def moving(curve: Curve) -> list[slice]:
     return going if sum(ways) >= 0.5 * reach > 0.0 else pieces
 
 
+def _paired(first: Curve, second: Curve) -> list[tuple[Ints, Ints]]:
+    """Return the rows of both on each way that both were led."""
+    ones, others = _ways(first), _ways(second)
+    begins, begins_too = (sides(curve.places, REVERSAL)[:1] for curve in (first, second))
+    if not np.array_equal(begins, begins_too):
+        # Of one of them none of the first way was read: that which turns less often.
+        ones, others = (ones[1:], others) if len(ones) >= len(others) else (ones, others[1:])
+    return list(zip(ones, others, strict=False))
+
+
 def _ways(curve: Curve) -> list[Ints]:
-    """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere."""
-    rows = np.concatenate([np.arange(piece.start, piece.stop) for piece in moving(curve)])
-    return [rows[part] for part in turns(curve.places[rows - curve.start], REVERSAL)]
+    """Return the rows of each way of a curve up or down, without the waits on it: another specimen waits elsewhere.
+
+    Without that at which it turned, too: read before the turn or after it, there is no telling.
+    """
+    going = np.zeros(len(curve.places), dtype=bool)
+    for piece in moving(curve):
+        going[piece.start - curve.start : piece.stop - curve.start] = True
+    ways = turns(curve.places, REVERSAL)
+    for way in ways[:-1]:
+        going[way.stop - 1] = False
+    return [curve.start + way.start + np.flatnonzero(going[way]) for way in ways]
 
 
 def _slope(place: Array, value: Array) -> Array:

@@ -190,7 +190,8 @@ def follow(share: float) -> bool:
 
 
 def led_alike(share: float) -> bool:
-    return fabric_tests._is_same_way(np.array([[0.4, 0.0]]), np.array([[0.4 * (1.0 - share), 0.0]]))
+    turned = (np.array([[0.4 * part, 0.0]]) for part in (1.0, 1.0 - share))
+    return fabric_tests._is_same_way(*((one, np.zeros_like(one)) for one in turned))
 
 
 def counts(sd: float) -> bool:
