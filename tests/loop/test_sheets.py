@@ -256,7 +256,7 @@ def test_a_thermocouple_at_fault_is_told_from_the_others(third: Callable[[np.nda
     curves = tuple(Curve(name, 30 * k, 30 * k + 30, warm) for k, name in enumerate(("a", "b", "c")))
     given = np.tile(warm, 3)
     problem: Any = SimpleNamespace(
-        states={"probe": given}, curves=curves, own=(), predict=lambda own, terms: given,
+        states={"probe": given}, curves=curves, own=(), as_delivered=None, predict=lambda own, terms: given,
         measured=np.concatenate([1.1 * warm, 1.05 * warm, third(warm)]),
     )  # fmt: skip
     said = strange_probes(problem)
@@ -270,7 +270,7 @@ def test_a_thermocouple_that_stays_cold_is_not_at_fault_for_its_noise() -> None:
     given = np.concatenate([warm, warm, cold])
     noise = 0.3 * np.random.default_rng(2).standard_normal(30)
     problem: Any = SimpleNamespace(
-        states={"probe": given}, curves=curves, own=(), predict=lambda own, terms: given,
+        states={"probe": given}, curves=curves, own=(), as_delivered=None, predict=lambda own, terms: given,
         measured=np.concatenate([1.1 * warm, 1.05 * warm, cold + noise]),
     )  # fmt: skip
     assert strange_probes(problem) == []
