@@ -21,13 +21,13 @@ from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
-from hyperfab.curve import TestCurve
 from hyperfab.documents.base import Validity, parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
 from hyperfab.loop.catalogue.fabric import DataContext, entries
+from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
@@ -64,7 +64,7 @@ def run(job: Job, given: Given) -> int:
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
     problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
-    if problem.both and not document.effects and any(map(_slanted, tests.tests)):
+    if problem.both and not document.effects and is_slanted(problem.fabric.path.angle_deg).any():
         as_delivered = delivered_of(problem)
         document = document.model_copy(update={"directions": None})
         problem = replace(
@@ -110,11 +110,6 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.json").name
         _files(job, out, problem, found, tests.unit)
     return write(job, out, given, found, result)
-
-
-def _slanted(test: TestCurve) -> bool:
-    """Whether a test was cut between warp and weft, on either side of the warp."""
-    return bool(1.0 < min(test.angle_deg % 180.0, -test.angle_deg % 180.0) < 89.0)
 
 
 def _unturn(measured: Measured) -> None:

@@ -5,9 +5,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hyperfab.arrays import Flags
 from hyperfab.loop.fabric_tests import ONE_PACE
 from hyperfab.materials.effects.path import GENERAL, Path
 from hyperfab.materials.law import Array, Law
+
+
+def _folded(angles: Array) -> Array:
+    return np.minimum(angles % 180.0, -angles % 180.0)
+
+
+def is_slanted(angles: Array) -> Flags:
+    """Return which directions [deg from the warp] lie between warp and weft, on either side of the warp; none unknown.
+
+    >>> is_slanted(np.array([0.0, 45.0, 90.0, 150.0, np.nan])).tolist()
+    [False, True, False, True, False]
+    """
+    folded = _folded(angles)
+    return np.asarray((folded > 1.0) & (folded < 89.0))
 
 
 @dataclass(frozen=True)
@@ -98,7 +113,7 @@ class DataContext:
     @property
     def slanted(self) -> Array:
         """The directions in the data between warp and weft, either side of the warp alike [deg]."""
-        return self.ways[(self.ways > 1.0) & (self.ways < 89.0)]
+        return self.ways[is_slanted(self.ways)]
 
     @property
     def tells_coupling(self) -> bool:
@@ -109,7 +124,7 @@ class DataContext:
     @property
     def ways(self) -> Array:
         """The directions in the data to a sheet that is alike on either side of the warp [deg]."""
-        return np.unique(np.minimum(self.angles % 180.0, -self.angles % 180.0).round(6))
+        return np.unique(_folded(self.angles).round(6))
 
     def has_one_curve(self, *, turns: bool, softens: bool) -> bool:
         """Whether all tests are alike but for the specimen, the rate and the amplitude.
