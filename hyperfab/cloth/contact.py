@@ -18,6 +18,7 @@ from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
 from .features import FLAT, borne, copy, dot, edge_reached, outward, unfold, valley
+from .galerkin import times
 from .landing import landed, ridge_at, sharp_edge_at
 from .mold import FREE, ON_FACE, SHARP, Mold
 from .net import Arrays
@@ -165,9 +166,7 @@ def _projector(bits: int, normals: Array, count: int, q: Array) -> None:
             v[c] = 1.0
         else:
             copy(normals[c - 3], v)
-        a = q[0] * v[0] + q[1] * v[1] + q[2] * v[2]
-        b = q[1] * v[0] + q[3] * v[1] + q[4] * v[2]
-        d = q[2] * v[0] + q[4] * v[1] + q[5] * v[2]
+        a, b, d = times(q, v[0], v[1], v[2])
         length2 = a * a + b * b + d * d
         if length2 < 1e-18:
             continue
@@ -268,16 +267,12 @@ def settle(
             else:
                 _projector(bits, normals, count, p)
             v = f[i, j]
-            r[i, j, 0] = p[0] * v[0] + p[1] * v[1] + p[2] * v[2]
-            r[i, j, 1] = p[1] * v[0] + p[3] * v[1] + p[4] * v[2]
-            r[i, j, 2] = p[2] * v[0] + p[4] * v[1] + p[5] * v[2]
+            r[i, j, 0], r[i, j, 1], r[i, j, 2] = times(p, v[0], v[1], v[2])
             if s != FREE:
                 contacts += 1
                 v = rubbed[i, j] if s > ON_FACE else v  # what rubs a node across an edge does not press it on
-                a = v[0] - p[0] * v[0] - p[1] * v[1] - p[2] * v[2]
-                b = v[1] - p[1] * v[0] - p[3] * v[1] - p[4] * v[2]
-                c = v[2] - p[2] * v[0] - p[4] * v[1] - p[5] * v[2]
-                press[i, j] = np.sqrt(a * a + b * b + c * c)
+                a, b, c = times(p, v[0], v[1], v[2])
+                press[i, j] = np.sqrt((v[0] - a) ** 2 + (v[1] - b) ** 2 + (v[2] - c) ** 2)
             size = np.sqrt(dot(r[i, j], r[i, j]))
             if size > worst:
                 worst, where = size, i * m + j

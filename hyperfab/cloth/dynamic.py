@@ -16,6 +16,7 @@ from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 
 from .balance import Balance
+from .galerkin import times
 from .linear import Tangent
 from .march import march
 from .mirror import even
@@ -44,9 +45,7 @@ def _push(r: Array, q: Array, mass: Array, v: Array) -> float:
             w = 1.0 / mass[i, j]
             a, b, c, p = v[i, j, 0] + w * r[i, j, 0], v[i, j, 1] + w * r[i, j, 1], v[i, j, 2], q[i, j]
             c += w * r[i, j, 2]
-            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
-            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
-            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
+            v[i, j, 0], v[i, j, 1], v[i, j, 2] = times(p, a, b, c)
             total += mass[i, j] * (v[i, j, 0] ** 2 + v[i, j, 1] ** 2 + v[i, j, 2] ** 2)
     return 0.5 * total
 

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel
 
+from .galerkin import times
 from .mold import FREE, States
 from .state import State
 
@@ -119,9 +120,7 @@ def _resist(rub: Friction, x: Array, contact: States, press: Array, q: Array, r:
                     x[i, j, 1] - anchor[i, j, 1],
                     x[i, j, 2] - anchor[i, j, 2],
                 )
-                s[0] = p[0] * a + p[1] * b + p[2] * d
-                s[1] = p[1] * a + p[3] * b + p[4] * d
-                s[2] = p[2] * a + p[4] * b + p[5] * d
+                s[0], s[1], s[2] = times(p, a, b, d)
                 if p[0] + p[3] + p[5] < 1.5:  # on an edge: the way that led onto it counts too
                     s[0], s[1], s[2] = a, b, d
                 length = np.sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
@@ -130,9 +129,10 @@ def _resist(rub: Friction, x: Array, contact: States, press: Array, q: Array, r:
                     for k in range(3):
                         way[i, j, k] = s[k] / length
                     w = way[i, j]
-                    v[0] -= c * (p[0] * w[0] + p[1] * w[1] + p[2] * w[2])
-                    v[1] -= c * (p[1] * w[0] + p[3] * w[1] + p[4] * w[2])
-                    v[2] -= c * (p[2] * w[0] + p[4] * w[1] + p[5] * w[2])
+                    a, b, d = times(p, w[0], w[1], w[2])
+                    v[0] -= c * a
+                    v[1] -= c * b
+                    v[2] -= c * d
                 elif size <= c or rub.blocked[i, j]:
                     stick_slip[i, j] = STICKS
                     for k in range(6):
@@ -163,9 +163,7 @@ def _stiffen(rub: Friction, q: Array, extra: Array) -> None:
         for j in range(q.shape[1]):
             if rub.stick_slip[i, j] == SLIDES:
                 k, w, p, e = rub.most[i, j] / rub.slid[i, j], rub.way[i, j], q[i, j], extra[i, j]
-                a = p[0] * w[0] + p[1] * w[1] + p[2] * w[2]
-                b = p[1] * w[0] + p[3] * w[1] + p[4] * w[2]
-                d = p[2] * w[0] + p[4] * w[1] + p[5] * w[2]
+                a, b, d = times(p, w[0], w[1], w[2])
                 e[0] += k * (p[0] - a * a)
                 e[1] += k * (p[1] - a * b)
                 e[2] += k * (p[2] - a * d)
@@ -203,8 +201,7 @@ def _cost(rub: Friction, x: Array, trial: Array, q: Array) -> float:
                 continue
             p, w = q[i, j], way[i, j]
             a, b, d = trial[i, j, 0] - x[i, j, 0], trial[i, j, 1] - x[i, j, 1], trial[i, j, 2] - x[i, j, 2]
-            u = slid[i, j] * w[0] + p[0] * a + p[1] * b + p[2] * d
-            v = slid[i, j] * w[1] + p[1] * a + p[3] * b + p[4] * d
-            z = slid[i, j] * w[2] + p[2] * a + p[4] * b + p[5] * d
+            u, v, z = times(p, a, b, d)
+            u, v, z = slid[i, j] * w[0] + u, slid[i, j] * w[1] + v, slid[i, j] * w[2] + z
             total += most[i, j] * (np.sqrt(u * u + v * v + z * z) - slid[i, j])
     return total

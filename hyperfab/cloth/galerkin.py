@@ -15,6 +15,12 @@ OY = np.array([0, 1, 1, -1])
 
 
 @inlined
+def times(s: Array | Singles, a: float, b: float, c: float) -> tuple[Any, Any, Any]:
+    """A symmetric matrix, by its upper triangle (6), times a vector."""
+    return s[0] * a + s[1] * b + s[2] * c, s[1] * a + s[3] * b + s[4] * c, s[2] * a + s[4] * b + s[5] * c
+
+
+@inlined
 def _is_free(q: Array) -> Any:
     return q[0] + q[3] + q[5] == 3.0
 
@@ -23,13 +29,9 @@ def _is_free(q: Array) -> Any:
 def _sandwich(q: Array, b: Array, r: Array, t: Array, out: Singles) -> None:
     """out (9) = Q B R with symmetric Q, R (6) and full B (3, 3); ``t`` (3, 3) is room for Q B."""
     for k in range(3):
-        t[0, k] = q[0] * b[0, k] + q[1] * b[1, k] + q[2] * b[2, k]
-        t[1, k] = q[1] * b[0, k] + q[3] * b[1, k] + q[4] * b[2, k]
-        t[2, k] = q[2] * b[0, k] + q[4] * b[1, k] + q[5] * b[2, k]
+        t[0, k], t[1, k], t[2, k] = times(q, b[0, k], b[1, k], b[2, k])
     for k in range(3):
-        out[3 * k] = t[k, 0] * r[0] + t[k, 1] * r[1] + t[k, 2] * r[2]
-        out[3 * k + 1] = t[k, 0] * r[1] + t[k, 1] * r[3] + t[k, 2] * r[4]
-        out[3 * k + 2] = t[k, 0] * r[2] + t[k, 1] * r[4] + t[k, 2] * r[5]
+        out[3 * k], out[3 * k + 1], out[3 * k + 2] = times(r, t[k, 0], t[k, 1], t[k, 2])
 
 
 @kernel

@@ -10,6 +10,7 @@ from hyperfab.arrays import Array, Reals, Singles
 from hyperfab.numerics.kernels import kernel
 from hyperfab.numerics.threads import in_rows
 
+from .galerkin import times
 from .multigrid import Multigrid, ahead, behind
 
 
@@ -37,15 +38,13 @@ def _apply(diag: Array, off: Array, q: Array, u: Array, out: Array, rows: Array,
         total = 0.0
         for j in range(u.shape[1]):
             e, v, p = diag[i, j], u[i, j], q[i, j]
-            s[0] = -(e[0] * v[0] + e[1] * v[1] + e[2] * v[2])
-            s[1] = -(e[1] * v[0] + e[3] * v[1] + e[4] * v[2])
-            s[2] = -(e[2] * v[0] + e[4] * v[1] + e[5] * v[2])
+            a, b, c = times(e, v[0], v[1], v[2])
+            s[0], s[1], s[2] = -a, -b, -c
             ahead(off, u, i, j, s)
             behind(off, u, i, j, s)
             o = out[i, j]
-            o[0] = -(p[0] * s[0] + p[1] * s[1] + p[2] * s[2])
-            o[1] = -(p[1] * s[0] + p[3] * s[1] + p[4] * s[2])
-            o[2] = -(p[2] * s[0] + p[4] * s[1] + p[5] * s[2])
+            a, b, c = times(p, s[0], s[1], s[2])
+            o[0], o[1], o[2] = -a, -b, -c
             total += v[0] * o[0] + v[1] * o[1] + v[2] * o[2]
         rows[i] = total
 
@@ -100,9 +99,7 @@ def project(q: Array, v: Array, first: int, last: int) -> None:
     for i in range(first, last):
         for j in range(v.shape[1]):
             a, b, c, p = v[i, j, 0], v[i, j, 1], v[i, j, 2], q[i, j]
-            v[i, j, 0] = p[0] * a + p[1] * b + p[2] * c
-            v[i, j, 1] = p[1] * a + p[3] * b + p[4] * c
-            v[i, j, 2] = p[2] * a + p[4] * b + p[5] * c
+            v[i, j, 0], v[i, j, 1], v[i, j, 2] = times(p, a, b, c)
 
 
 class Solver:

@@ -18,7 +18,7 @@ from hyperfab.numerics.bands import BAND, PIECE, follow, in_bands, next_band, te
 from hyperfab.numerics.kernels import inlined, kernel
 from hyperfab.numerics.threads import in_rows
 
-from .galerkin import OX, OY, halve, invert, sandwich_all
+from .galerkin import OX, OY, halve, invert, sandwich_all, times
 
 SMALLEST = 4  # grids of at most this many nodes a side are not coarsened further
 
@@ -101,9 +101,7 @@ def behind(off: Reals, u: Reals, i: int, j: int, s: Reals) -> None:
 
 @inlined
 def _solve(d: Singles, s: Singles, u: Singles) -> None:
-    u[0] = d[0] * s[0] + d[1] * s[1] + d[2] * s[2]
-    u[1] = d[1] * s[0] + d[3] * s[1] + d[4] * s[2]
-    u[2] = d[2] * s[0] + d[4] * s[1] + d[5] * s[2]
+    u[0], u[1], u[2] = times(d, s[0], s[1], s[2])
 
 
 @kernel

@@ -9,7 +9,7 @@ from unittest import mock
 import numpy as np
 import pytest
 
-from hyperfab.cloth.galerkin import OX, OY, _sandwich
+from hyperfab.cloth.galerkin import OX, OY, sandwich_all
 from hyperfab.cloth.multigrid import (
     Level,
     Multigrid,
@@ -106,11 +106,13 @@ def test_sweeps_solve_with_either_triangle_whoever_sweeps(sheared, number):
 def test_a_block_between_nodes_on_their_planes_is_q_b_r():
     """Projections on any planes, in six numbers each, and a full block between them."""
     rng = np.random.default_rng(8)
-    block, out = rng.standard_normal((3, 3)), np.empty(9, np.float32)
+    block, own = rng.standard_normal((3, 3)), np.zeros((2, 1, 6), np.float32)
+    out = np.empty((2, 1, 1, 9), np.float32)
     planes = []
     for _ in range(2):
         normal = rng.standard_normal(3)
         planes.append(np.eye(3) - np.outer(normal, normal) / (normal @ normal))
     six = [plane[[0, 0, 0, 1, 1, 2], [0, 1, 2, 1, 2, 2]] for plane in planes]
-    getattr(_sandwich, "py_func", _sandwich)(six[0], block, six[1], np.empty((3, 3)), out)
-    np.testing.assert_allclose(out.reshape(3, 3), planes[0] @ block @ planes[1], rtol=1e-5, atol=1e-6)
+    between = np.tile(block.reshape(9), (2, 1, 1, 1))
+    sandwich_all(np.stack(six).reshape(2, 1, 6), np.zeros((2, 1, 6)), between, own, out, 0, 2)
+    np.testing.assert_allclose(out[0].reshape(3, 3), planes[0] @ block @ planes[1], rtol=1e-5, atol=1e-6)
