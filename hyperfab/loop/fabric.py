@@ -14,6 +14,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
+from hyperfab.loop.fabric_constants import constants_of
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, setups_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
@@ -28,19 +29,13 @@ from hyperfab.materials.effects.path import (
     MODE_NAMES,
     SHEAR,
     UNIAXIAL,
-    Path,
     second_stretch,
     uniaxial_pull,
 )
 from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import HyperfoamLaw
-from hyperfab.materials.identification.design import Problem as LawProblem
-from hyperfab.materials.identification.fit import fit_law
-from hyperfab.materials.identification.rows import Rows
 from hyperfab.materials.law import Law, Sheet, stresses
 
-#: Rows that are enough to find the valley of a law's constants; the loop's own fit sees all.
-_VALLEY = 240
 #: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
 #: stiffness that the tests end with: no sheet lengthens without a force.
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
@@ -54,6 +49,7 @@ class FabricProblem(Problem):
 
     Rows of channel 0 are stresses; those of channel 1 transverse stretches of uniaxial tests (``transverse_rows``).
     ``fabric`` has the rows read; ``whole`` is led through corners between them too, and is ``read`` (m,) at those.
+    The columns of ``combinations`` (p, p) are the constants of the law that an own one stands for; None: each for one.
     """
 
     least_noise: ClassVar[float] = MACHINE
@@ -67,6 +63,7 @@ class FabricProblem(Problem):
     held: Mapping[str, tuple[str, tuple[float, ...]]] = field(kw_only=True)
     transverse_rows: Array = field(kw_only=True)
     remake: object = field(kw_only=True)
+    combinations: Array | None = field(default=None, kw_only=True)
 
     def of_own(self, own: Array) -> tuple[Array, Array | None, dict[str, tuple[str, Array]]]:
         """Return the law's constants along warp and weft (None: alike), and the terms the model already has."""
@@ -76,7 +73,18 @@ class FabricProblem(Problem):
         for name, (form, null) in self.held.items():
             had[name] = (form, own[at : at + len(null)])
             at += len(null)
-        return own[:count], own[count : 2 * count] if self.both else None, had
+        law = own[: count * (1 + self.both)].reshape(-1, count)
+        if self.combinations is not None:
+            law = law @ self.combinations.T
+        return law[0], law[1] if self.both else None, had
+
+    def as_stated(self, own: Array) -> dict[str, float]:
+        """Return the law's constants, along warp and weft where these differ, and those of the terms it has."""
+        warp, weft, _ = self.of_own(own)
+        of_law = warp if weft is None else np.concatenate([warp, weft])
+        names = [f"{way}{name}" for way in (("warp ", "weft ") if self.both else ("",)) for name in self.law.names]
+        names += [one.name for one in self.own[len(names) :]]
+        return dict(zip(names, map(float, [*of_law, *own[len(of_law) :]]), strict=True))
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return stresses [MPa], then transverse stretches."""
@@ -126,10 +134,18 @@ class FabricProblem(Problem):
             alike.append(frozenset({"rate", "hysteresis"}))
         return alike
 
+    @property
+    def has_valleys(self) -> bool:
+        """Whether the law is not linear in its constants: else other starts only spare a long way."""
+        return len(self.starts) > 0 and self.combinations is None
+
     def scaled(self, own: Array, factor: float) -> Array:
         """Return the constants with those that are stresses ``factor`` times as large."""
         names = [constant.name for constant in self.own]
-        return np.where(np.isin(names, stresses(names)), factor * own, own)
+        of_stress = np.isin(names, stresses(names))
+        if self.combinations is not None:  # of a law that is linear in all of its constants
+            of_stress[: len(self.law.names) * (1 + self.both)] = True
+        return np.where(of_stress, factor * own, own)
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         """Return by how much the modulus at rest along each direction tested falls short of what a sheet has.
@@ -256,18 +272,17 @@ def fabric_problem(
     reference = reference_degC if reference_degC is not None else (float(np.min(known)) if len(known) else 20.0)
     stress = np.concatenate([test.stress for test in tests])
     held = held or {}
-    own = _own(law, warp, "" if weft is None else "warp ", float(np.max(np.abs(stress))), fixed, prior)
-    if weft is not None:
-        own += _own(law, weft, "weft ", float(np.max(np.abs(stress))), fixed, prior)
-    for _, constants in held.values():
-        own += constants
+    ways = {"": warp} if weft is None else {"warp ": warp, "weft ": weft}
+    had = [constant for _, constants in held.values() for constant in constants]
+    plain = Fabric(law, path, reference)
+    own, starts, combinations = constants_of(plain, ways, stress, had, fixed, prior)
     curves, rows, measured = curves_of(path, tests, stress)
     hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
     way, near = cornered(path)
     whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
-    ways = setups_of(path, tests, sized=False)
-    replicated = sum(ways.count(way) > 1 for way in ways) > len(ways) / 2
+    setups = setups_of(path, tests, sized=False)
+    replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
@@ -275,9 +290,10 @@ def fabric_problem(
         stated = np.concatenate([test.stress_sd for test in tests] + [np.full(len(rows), np.nan)])
 
     def remake(others: Sequence[TestCurve]) -> FabricProblem:
-        return fabric_problem(
+        wider = fabric_problem(
             law, warp, others, weft=weft, held=held, fixed=fixed, prior=prior, reference_degC=reference, units=units
         )  # fmt: skip
+        return replace(wider, own=own, combinations=combinations)
 
     return FabricProblem(
         measured=measured,
@@ -288,7 +304,7 @@ def fabric_problem(
         stated_sd=stated,
         nuisance=smooth_of(path, len(measured)),
         units=units,
-        starts=_best_by_law(law, path, stress, own, 1 if weft is None else 2),
+        starts=starts,
         fabric=fabric,
         whole=whole,
         read=np.diff(near, prepend=-1) > 0,
@@ -298,51 +314,5 @@ def fabric_problem(
         held={name: (form, tuple(c.value for c in constants)) for name, (form, constants) in held.items()},
         transverse_rows=rows,
         remake=remake,
+        combinations=combinations,
     )
-
-
-def _own(
-    law: Law, values: Sequence[float], prefix: str, size: float, fixed: Sequence[str], prior: float | None
-) -> tuple[Constant, ...]:
-    found = []
-    for name, value in zip(law.names, values, strict=True):
-        low, high = law.bounds.get(name, (-np.inf, np.inf))
-        low, high = min(low, value), max(high, value)  # a document's own constants stand
-        scale = max(abs(value), 0.01 * size if name in law.stresses else 0.1)
-        sd = np.inf if prior is None else max(prior * abs(value), 1e-9 * size)
-        if name in law.held or name in fixed or f"{prefix}{name}" in fixed:
-            low = high = value
-        found.append(Constant(f"{prefix}{name}", value, low, high, scale, sd))
-    return tuple(found)
-
-
-def _best_by_law(law: Law, path: Path, stress: Array, own: Sequence[Constant], sets: int) -> tuple[Array, ...]:
-    """Return the constants of ``law`` that fit all rows best, ``sets`` times (warp and weft), before the others.
-
-    None for a law that is linear in its constants, whose one optimum any start finds, and of a foam, whose fit seeks it
-    among many. A document's constants, from few
-    tests, may lie in another valley than these data, or beyond the stretch where the law ends.
-    """
-    if not law.nonlinear or not law.isotropic or isinstance(law, HyperfoamLaw):
-        return ()
-    rows = np.flatnonzero((path.mode != GENERAL) & (path.stretch > 0.0) & np.isfinite(stress))
-    if len(rows) == 0:
-        return ()
-    # The farthest row of each mode among them: a law must not end before it.
-    modes = np.unique(path.mode[rows])
-    ends = [max(rows[path.mode[rows] == mode], key=lambda row: path.stretch[row]) for mode in modes]
-    rows = np.union1d(rows[:: max(len(rows) // _VALLEY, 1)], ends)
-    weight = np.full(len(rows), 1.0 / max(float(np.max(np.abs(stress))), 1e-300))
-    curves = [
-        TestCurve(MODE_NAMES[mode], path.stretch[rows][there], stress[rows][there], weight[there])
-        for mode in range(BIAXIAL + 1)
-        if np.any(there := path.mode[rows] == mode)
-    ]
-    found = fit_law(LawProblem(law, Rows.of(curves)))
-    if found is None:
-        return ()
-    values = np.array([found.material.parameters[name] for name in law.names])
-    given = np.array([constant.value for constant in own])
-    given[: sets * len(values)] = np.tile(values, sets)
-    held: Flags = np.array([constant.low == constant.high for constant in own])
-    return (np.where(held, [constant.value for constant in own], given),)

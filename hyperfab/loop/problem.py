@@ -264,6 +264,15 @@ class Problem(ABC):
         """
         return {}
 
+    @property
+    def has_valleys(self) -> bool:
+        """Whether a fit of the own constants ends elsewhere where it begins elsewhere."""
+        return len(self.starts) > 0
+
+    def as_stated(self, own: Array) -> dict[str, float]:
+        """Return the ``own`` constants (p,) as a document states them, by name."""
+        return dict(zip((one.name for one in self.own), map(float, own), strict=True))
+
     def scaled(self, own: Array, factor: float) -> Array:
         """Return the model's own constants where its answer is ``factor`` times as large."""
         return factor * own

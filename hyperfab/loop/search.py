@@ -282,7 +282,7 @@ class Search:
         own = [constant.value for constant in self.problem.own]
         delivered = [np.concatenate([own, start[len(own) :]]) for start in starts]
         # Where a law has several optima each way is gone to its end.
-        ways = [starts, delivered] if len(self.problem.starts) else [starts + self.problem.well_known * delivered]
+        ways = [starts, delivered] if self.problem.has_valleys else [starts + self.problem.well_known * delivered]
         tries = [descent(self.problem, self.noise, forms, way, coarse=True) for way in ways]
         best = min(tries, key=lambda one: one.cost).fit(self.noise)
         if not np.isfinite(best.chi2) or (form.of_each and _is_of_few(best, effect.id, self.problem.curves)):

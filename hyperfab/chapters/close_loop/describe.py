@@ -41,15 +41,14 @@ def describe(
 ) -> LoopDocument:
     """Return the finding as a document."""
     before, after = found.before.fit, found.after.fit
-    names = [constant.name for constant in problem.own]
     return LoopDocument(
         domain=domain,
         verdict=found.verdict,
         effects=[_added(problem, found, name) for name in after.forms],
         constants={
-            "given": {constant.name: float(constant.value) for constant in problem.own},
-            "refitted": dict(zip(names, (float(v) for v in before.x[: before.own]), strict=True)),
-            "with_effects": dict(zip(names, (float(v) for v in after.x[: after.own]), strict=True)),
+            "given": problem.as_stated(np.array([constant.value for constant in problem.own])),
+            "refitted": problem.as_stated(before.x[: before.own]),
+            "with_effects": problem.as_stated(after.x[: after.own]),
         },
         noise=NoiseFigures(
             sd=_rms(found.noise.sd[problem.channel == 0]),
