@@ -78,6 +78,11 @@ class FabricProblem(Problem):
             law = law @ self.combinations.T
         return law[0], law[1] if self.both else None, had
 
+    @property
+    def expected(self) -> tuple[Constant, ...]:
+        """The own constants; of combinations no document says what is known beforehand."""
+        return self.own if self.combinations is None else ()
+
     def as_stated(self, own: Array) -> dict[str, float]:
         """Return the law's constants, along warp and weft where these differ, and those of the terms it has."""
         warp, weft, _ = self.of_own(own)

@@ -218,7 +218,7 @@ def _far_from_known(problem: Problem, found: Finding) -> list[str]:
     fit = found.after.fit
     told = [
         f"{one.name} from {one.value:.4g} to {value:.4g} ({abs(away):.2g} standard deviations)"
-        for one, value in zip(problem.expected, fit.x[: fit.own], strict=True)
+        for one, value in zip(problem.expected, fit.x, strict=False)
         if np.isfinite(one.prior_sd) and abs(away := (value - one.value) / one.prior_sd) > TOLD
     ]
     if not told:
