@@ -70,7 +70,7 @@ class HeatProblem(Problem):
     pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
     lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)), kw_only=True)
     names: Sequence[str] = field(kw_only=True)
-    base: Sequence[str] = field(default=(), kw_only=True)
+    base: Sequence[str | tuple[int, int]] = field(default=(), kw_only=True)
     tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:

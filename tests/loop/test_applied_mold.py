@@ -107,9 +107,11 @@ def values_of(form: Form) -> np.ndarray:
     return np.array(form.starts[0]) + 0.2 * np.array([constant.scale for constant in form.constants])
 
 
-def written(own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path) -> tuple[Posed, list[str]]:
+def written(
+    own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path, before: Posed | None = None
+) -> tuple[Posed, list[str]]:
     """Return the mold that the loop writes with ``terms``, read again, and what it says of them."""
-    before = given()
+    before = before or given()
     forms = {name: before.problem.effect(name).form(form) for name, (form, _) in terms.items()}
     x = np.concatenate([own, *(values for _, values in terms.values())])
     fit: Any = SimpleNamespace(x=x, own=len(own), terms=terms, forms=forms)
@@ -168,6 +170,33 @@ def check(terms: dict[str, tuple[str, np.ndarray]], tmp_path: Path) -> None:
     for name in terms:
         without = before.problem.predict(own, {key: term for key, term in terms.items() if key != name})
         assert np.max(np.abs(thought - without)) > 5.0 * NEAR_K, name
+
+
+#: The same faces under another name: of a shape of the part, in a box, beside others; or those at a side.
+BASES = {
+    "shape": ('on = ["foot.z-"]', None),
+    "box": (
+        'on = [{ part = "plate", box = { origin = ["-1 mm", "-1 mm", "-1 mm"], '
+        'size = ["62 mm", "42 mm", "1 mm"] } }, "lid.x-"]', ["lid.x-"]),
+    "side": (
+        'on = ["plate.x-", "lid.x-"]\n[[convection]]\non = "plate.z-"\nh = "9 W/m^2/K"\nambient = "25 degC"', None),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_a_base_is_no_longer_insulated_whatever_it_is_called(base: str, tmp_path: Path) -> None:
+    """A film on faces that the document says to be insulated is refused."""
+    named, left = BASES[base]
+    text = MOLD.replace('on = ["plate.z-"]', named).replace(
+        'box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "40 mm", "20 mm"] }',
+        'shapes = [{ name = "foot", box = { origin = ["0 mm", "0 mm", "0 mm"], size = ["60 mm", "40 mm", "20 mm"] } }]',
+    )
+    before, terms = posed(text.encode(), tmp_path), {"base-conduction": ("film", np.array([40.0]))}
+    after, _ = written(before.own, terms, tmp_path, before)
+    np.testing.assert_allclose(
+        after.problem.predict(after.own, {}), before.problem.predict(before.own, terms), rtol=0.0, atol=NEAR_K
+    )
+    assert [place for section in after.document.insulated for place in section.on] == (left or [])
 
 
 def test_what_a_mold_document_has_no_key_for_is_told(tmp_path: Path) -> None:

@@ -310,8 +310,7 @@ class _Wider:
                 f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "
                 "the bench as warm as it was in this run"
             )
-        places = list(self.problem.base)
-        _uncover(self.mold, places)
+        places = _uncovered(self.mold, self.problem.base)
         self.mold.setdefault("convection", []).append(
             {"on": places, "h": f"{self.amounts['bench']!r} W/m^2/K", "ambient": ambient}
         )
@@ -330,17 +329,20 @@ class _Wider:
                 probe["second_lag"] = f"{known.second_lag + self.amounts['second_lag_s']!r} s"
 
 
-def _uncover(mold: dict[str, Any], places: list[str]) -> None:
-    """Take faces that get a film out of the insulated ones."""
+def _uncovered(mold: dict[str, Any], places: Sequence[str | tuple[int, int]]) -> list[Any]:
+    """Take ``places`` that get a film out of the insulated ones, and return them as the document writes them."""
+    sections = [_listed(section["on"]) for section in mold.get("insulated", [])]
+    found = [place if isinstance(place, str) else sections[place[0]][place[1]] for place in places]
     kept = []
-    for section in mold.get("insulated", []):
-        rest = [place for place in _listed(section["on"]) if place not in places]
+    for number, on in enumerate(sections):
+        rest = [place for index, place in enumerate(on) if (number, index) not in places]
         if rest:
-            kept.append({**section, "on": rest})
-    if "insulated" in mold:
+            kept.append({**mold["insulated"][number], "on": rest})
+    if sections:
         mold["insulated"] = kept
         if not kept:
             del mold["insulated"]
+    return found
 
 
 def _listed(places: Any) -> list[Any]:

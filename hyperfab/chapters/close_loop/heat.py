@@ -9,7 +9,7 @@ from typing import TypeGuard
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
@@ -19,8 +19,9 @@ from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
 from hyperfab.chapters.mold_heat.recipe import note_ranges
+from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.base import parse_document
-from hyperfab.documents.mold import ContactSection, ConvectionSection, MoldDocument
+from hyperfab.documents.mold import ContactSection, ConvectionSection, FacesInBox, MoldDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
@@ -29,6 +30,7 @@ from hyperfab.loop.heat import HeatProblem, heat_problem, least_of
 from hyperfab.loop.probes import looked_through
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
+from hyperfab.thermal.geometry import Box
 from hyperfab.thermal.reduced import HOLDS, ReducedMold, reduce
 from hyperfab.thermal.tables import Table
 
@@ -191,15 +193,36 @@ def _with_held_faces(
     return changed, other
 
 
-def _base(document: MoldDocument, built: Problem) -> list[str]:
-    """Return the names of the faces the mold stands on: ``part.z-`` of the parts that reach down to them."""
-    points, mesh = built.mesh.points, built.mesh
-    lowest = float(points[:, 2].min()) + 1e-6
-    return [
-        f"{part.name}.z-"
-        for number, part in enumerate(document.part)
-        if np.any(points[np.unique(mesh.elements[mesh.parts == number]), 2] <= lowest)
-    ]
+def _base(document: MoldDocument, built: Problem) -> list[str | tuple[int, int]]:
+    """Return the places the mold stands on: of ``[[insulated]]``, by table and place, or names of faces.
+
+    Faces have several names, of a part, its shapes or a box: what the document says is insulated is called as it is
+    there. The rest are ``part.z-`` of the parts that reach down to them, or the way they look.
+    """
+    bench, outer = _bench_facets(built), built.mesh.facets.outer
+    found, left = list[str | tuple[int, int]](), bench.copy()
+    for number, section in enumerate(document.insulated):
+        for place, on in enumerate(section.on):
+            if on == EXPOSED:
+                continue
+            if isinstance(on, FacesInBox):
+                own = built.faces.inside(on.part, Box(on.box.origin, on.box.size))
+            else:
+                own = built.faces.named(on)
+            if np.any(own.mask & bench):
+                found.append((number, place))
+                left &= ~own.mask
+    for name in (f"{part.name}.{way}" for way in ("z-", "x-", "x+", "y-", "y+", "z+") for part in document.part):
+        if not np.any(left):
+            break
+        try:
+            mask = built.faces.named(name).mask & outer
+        except InputError:  # no face of the part looks that way
+            continue
+        if np.any(mask & left):
+            found.append(name)
+            left &= ~mask
+    return found
 
 
 def _holds(condition: object) -> TypeGuard[Convection]:
@@ -263,6 +286,12 @@ def _corners(built: Problem) -> list[float]:
 
 def _bench(built: Problem) -> FacetOperator | None:
     """Return the faces a mold stands on, or else all outer faces without film, radiation or cavity."""
+    free = _bench_facets(built)
+    return FacetOperator(built.mesh.points, built.mesh.facet_nodes(free)) if np.any(free) else None
+
+
+def _bench_facets(built: Problem) -> Flags:
+    """Return which facets of the mesh these are."""
     mesh = built.mesh
     outer = mesh.facets.outer & ~built.faces.cavity
     cooled: set[tuple[int, ...]] = set()
@@ -274,8 +303,9 @@ def _bench(built: Problem) -> FacetOperator | None:
     # What a mold stands on is below it; only where nothing is free there do other insulated faces count.
     height = mesh.points[nodes][:, :, 2]
     below = free & np.all(height < float(mesh.points[:, 2].min()) + 1e-6, axis=1)
-    free = below if np.any(below) else free
-    return FacetOperator(mesh.points, nodes[free]) if np.any(free) else None
+    found = np.zeros(len(outer), dtype=bool)
+    found[np.flatnonzero(outer)[below if np.any(below) else free]] = True
+    return found
 
 
 def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouples) -> None:
