@@ -40,26 +40,31 @@ class PressProblem(FilesProblem[Reading]):
         """Return the readings that the press would give."""
         value = dict(zip((one.name for one in self.own), own, strict=True))
         changes = self.changes(terms)
-        guided: dict[float | None, Moved] = {}
+        guided: dict[tuple[float | None, float], Moved] = {}
         presses: dict[tuple[object, ...], SetPress] = {}
-        found = []
-        for reading in self.every:
-            warm = None if reading.warmth is None else reading.warmth.temperature
-            if warm not in guided:
-                guided[warm] = self._moved(value, changes, reading.warmth)
-            start = guided[warm]
 
-            def read(left: Array | float, reading: Reading = reading, start: Moved = start) -> Array:
+        def shown(reading: Reading, thick: float) -> Array:
+            """Return what a reading shows where foam has this share of its thickness."""
+            at = (None if reading.warmth is None else reading.warmth.temperature, thick)
+            if at not in guided:
+                guided[at] = self._moved(value, changes, reading.warmth, thick)
+            start = guided[at]
+
+            def read(left: Array | float) -> Array:
                 mean = float(np.mean(left))
-                key = (reading.warmth and reading.warmth.temperature, mean)
+                key = (*at, mean)
                 if key not in presses:
                     presses[key] = self._set(start.relaxed(mean), value)
                 # Foam alone bears in proportion: the share that is left may be another at each row.
                 return presses[key].read(reading, left / mean if np.ndim(left) else 1.0, changes)
 
             left = changes.factor(reading)
-            found.append(_through(left, read) if start.table.fabric_law is not None else read(left))
-        return found
+            return _through(left, read) if start.table.fabric_law is not None else read(left)
+
+        return [
+            _through(changes.thickness(one), lambda thick, one=one: shown(one, thick))  # type: ignore[misc]
+            for one in self.every
+        ]
 
     def changes(self, terms: Mapping[str, tuple[str, Array]]) -> Changes:
         """Return what ``terms`` change of the press."""
@@ -70,12 +75,15 @@ class PressProblem(FilesProblem[Reading]):
                 effect.move(found, effect.form(form).named(values))
         return found
 
-    def _moved(self, value: Mapping[str, float], changes: Changes, warmth: Warmth | None = None) -> Moved:
+    def _moved(
+        self, value: Mapping[str, float], changes: Changes, warmth: Warmth | None = None, thick: float = 1.0
+    ) -> Moved:
         tilt = np.zeros(2) if self.setting.floating else changes.tilt
-        strain = changes.strain + (warmth.grown if warmth else (0.0, 0.0))
+        # What heat has made is less on colder molds; the clearance was set on those that the model has.
+        strain = changes.strain if warmth is None else warmth.share * changes.strain + warmth.grown
         mechanical = replace(changes, tilt=tilt, strain=strain).settings
         across = together([(layer, changes.across) for layer in self.setting.fabric])
-        foam = value["foam.thickness"] * (1.0 - changes.lost)
+        foam = value["foam.thickness"] * thick
         tables = []
         for table in (self.summed, self.places):
             uneven = variation(table.plan, changes.uneven)
@@ -131,9 +139,10 @@ class PressProblem(FilesProblem[Reading]):
 
 
 def _through(left: Array | float, read: Callable[[float], Array]) -> Array:
-    """Return what is read where each row has its own share ``left`` (m,) of the foam's stress.
+    """Return what is read where each row has its own share ``left`` (m,) of the foam's stress, or of its thickness.
 
-    A sandwich whose fabrics give way does not bear in proportion: a parabola of the fourth degree through five shares.
+    A sandwich whose fabrics give way does not bear in proportion, nor does thinner foam: a parabola of the fourth
+    degree through five shares.
     """
     if np.ndim(left) == 0:
         return read(float(left))

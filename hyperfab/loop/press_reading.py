@@ -30,7 +30,7 @@ UNITS: dict[str, str] = {
 THERE = ("pressure", "contact", "thickness", "formed")
 #: A place reads half contact half open over this much of a gap [mm]: a film's or a paste's own thickness.
 CONTACT_BLUR = 0.05
-#: Gaps [mm] that an edge of contact may be read over; the share of places that are taken for the other kind anywhere;
+#: Gaps [mm] that an edge of contact may be read over; the most of places that are taken for the other kind anywhere;
 #: and the share of contact beyond which a place is as good as far from the edge.
 _WIDTHS, _ASTRAY, _FAR = CONTACT_BLUR * 2.0 ** np.arange(0.0, 5.1, 0.5), 0.01, 1e-15
 #: What a dial gauge is off by [mm].
@@ -40,11 +40,13 @@ _GAUGE = 0.01
 @dataclass(frozen=True)
 class Warmth:
     """The press at another ``temperature`` [degC] than the model's: strains (2,) by which male and female have
-    ``grown`` beyond it, and the foam's ``law`` there, None where the model has one for all temperatures."""
+    ``grown`` beyond it, and the foam's ``law`` there, None where the model has one for all temperatures. ``share`` of
+    a strain that heat has made at the model's temperature is there at this one."""
 
     temperature: float
     grown: tuple[float, float]
     law: FoamLaw | None = None
+    share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,9 @@ def _edge(values: Array, predicted: Array, plain: Guess) -> Guess:
     [0.1, 0.5, 0.1]
     """
     inside = CONTACT_BLUR * ndtri(np.clip(predicted, _FAR, 1.0 - _FAR))
-    shares = [_ASTRAY + (1.0 - 2.0 * _ASTRAY) * ndtr(inside / width) for width in _WIDTHS]
+    # Of many places, none of them astray, fewer are than of a few.
+    astray = {_ASTRAY, min(_ASTRAY, 1.0 / len(values))}
+    shares = [one + (1.0 - 2.0 * one) * ndtr(inside / width) for width in _WIDTHS for one in sorted(astray)]
     share = max(shares, key=lambda one: float(np.sum(np.log(np.where(values > 0.5, one, 1.0 - one)))))
     rows = np.sqrt(share * (1.0 - share) + (share - predicted) ** 2)
     return Guess(float(np.sqrt(np.mean(rows**2))), plain.dof, plain.source, rows=rows)
@@ -173,7 +177,7 @@ class Changes:
 
     tilt        (2,) [rad] of a guided female about the two axes across, and its ``offset`` (2,) [mm] along them
     strain      (2,) of male and female
-    lost        share of the foam's thickness
+    lost        each tells the share of the foam's thickness that is lost when a reading is taken: one, or one a row
     uneven      relative thickness over the plan: coefficients by their terms, as ``xxy``
     compliance  [mm/N] of the frame
     across      how both fabrics give way across, None where they are rigid
@@ -184,7 +188,7 @@ class Changes:
     tilt: Array = field(default_factory=lambda: np.zeros(2))
     offset: Array = field(default_factory=lambda: np.zeros(2))
     strain: Array = field(default_factory=lambda: np.zeros(2))
-    lost: float = 0.0
+    lost: list[Callable[[Reading], Array | float]] = field(default_factory=list)
     uneven: dict[str, float] = field(default_factory=dict)
     compliance: float = 0.0
     across: FoamLaw | None = None
@@ -202,7 +206,6 @@ class Changes:
             tilt=np.radians(at("tilt_x_deg", "tilt_y_deg")),
             offset=at("offset_x_mm", "offset_y_mm"),
             strain=at("strain_male", "strain_female"),
-            lost=amounts.get("lost", 0.0),
             uneven={name.removeprefix("uneven."): v for name, v in amounts.items() if name.startswith("uneven.")},
             compliance=1e-3 * amounts.get("compliance_mm_kN", 0.0),
             stays=at("stays", "stays_more"),
@@ -218,6 +221,13 @@ class Changes:
         found: Array | float = 1.0
         for one in self.left:
             found = found * one(reading)
+        return found
+
+    def thickness(self, reading: Reading) -> Array | float:
+        """Return the share of the foam's thickness that is left when a reading is taken."""
+        found: Array | float = 1.0
+        for one in self.lost:
+            found = found * (1.0 - one(reading))
         return found
 
 

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from loop import blind_press
 from loop.generators import press as caps
+from scipy.special import ndtr
 
+from hyperfab.chapters.close_loop import finalise
 from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.press import pose
 from hyperfab.loop.catalogue.press import thickness_variation
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
-from hyperfab.loop.press_reading import Changes, Reading, variation
+from hyperfab.loop.press_reading import CONTACT_BLUR, Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
 from hyperfab.pressing.mold import Pose, guide_line
 
@@ -77,6 +80,26 @@ def test_the_table_moved_by_a_strain_is_the_press_of_the_grown_mold() -> None:
         assert more > 0.01 * plain
         # The sum over fewer points goes in steps of a thousandth.
         assert summed(*settings) - summed(0.0, 0.0) == pytest.approx(more, abs=1.5e-3 * plain)
+
+
+def test_foam_shrinks_in_time_and_a_row_at_a_time() -> None:
+    """What was read at once is of the whole foam, what was read late of the shrunk one."""
+    problem = posed()
+    own = np.array([one.value for one in problem.own])
+    timed = next(one for one in problem.files if one.time_s is not None and one.stroke is not None)
+    assert timed.stroke is not None
+    times = np.array([1e-6, 30.0, 1e6])
+    stroke = np.full(3, float(np.max(timed.stroke)))
+    read = [replace(timed, name=f"{t}.csv", values=np.zeros(3), stroke=stroke, time_s=np.full(3, t)) for t in times]
+    every = replace(timed, name="all.csv", values=np.zeros(3), stroke=stroke, time_s=times)
+    problem = replace(problem, files=[every, *read])
+    term = {"foam-shrinkage": ("in time", np.array([0.1, 30.0]))}
+    together, *apart = problem.shown(own, term)
+    np.testing.assert_allclose(together, [rows[0] for rows in apart], rtol=1e-3)
+    for rows, lost in zip(apart, (0.0, 0.1 * (1.0 - np.exp(-1.0)), 0.1), strict=True):
+        alone = replace(problem, files=[read[0]]).shown(own, {"foam-shrinkage": ("share", np.array([lost]))})
+        np.testing.assert_allclose(rows, alone[0], rtol=1e-6)
+    assert together[2] < 0.99 * together[0]
 
 
 @pytest.mark.slow
@@ -149,6 +172,25 @@ def test_what_is_measured_next_shows_one_entry_and_not_its_look_alike(
     apart = moved(one, form, values), moved(other, simple, like)
     assert min(apart) == pytest.approx(0.0, abs=1e-9 * max(apart))
     assert max(apart) > 0.0
+
+
+def test_molds_have_grown_by_what_heat_made_of_them_as_warm_as_they_were_read() -> None:
+    """A strain found on hot molds is none on cold ones, and half of it half-way: as the expansion that is written."""
+    told = blind_press.told(*blind_press.HOT)
+    hot, cold = caps.HOT_DEGC, told.reference
+    read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "film"))[0]
+    at = [replace(read, name=f"{t}.csv", temperature=t) for t in (hot, cold, 0.5 * (hot + cold))]
+    problem = pose(told, [(one, None) for one in at], 0.1, [])[0]
+    own = np.array([one.value for one in problem.own])
+
+    def grown(strain: float) -> list[np.ndarray]:
+        found = problem.predict(own, {"thermal-expansion": ("both molds", np.array([strain]))})
+        return [found[problem.rows_of(one.name)] for one in at]
+
+    plain, whole, half = grown(0.0), grown(4e-3), grown(2e-3)
+    np.testing.assert_array_equal(whole[1], plain[1])
+    np.testing.assert_allclose(whole[2], half[0], atol=1e-12)
+    assert np.abs(whole[0] - plain[0]).max() > 1e-3
 
 
 def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_a_reading() -> None:
@@ -237,6 +279,35 @@ def test_ones_and_zeros_of_a_press_as_it_is_are_noise_at_the_edge_alone() -> Non
         sd = found.noise.sd[: len(found.after.problem.states["x_mm"])]
         assert np.median(sd) < 0.11
         assert sd.max() > 0.3
+
+
+@pytest.mark.parametrize("astray", [0, 20])
+def test_of_many_places_so_many_are_astray_as_the_readings_show(astray: int) -> None:
+    """Where none of 2000 is, one hundredth would hide an edge that lies elsewhere."""
+    gap = np.linspace(-1.0, 1.0, 2000)
+    read = (gap < 0.0).astype(float)
+    read[np.random.default_rng(1).choice(500, astray, replace=False)] = 0.0
+    places = np.stack([gap, gap**2, 0.0 * gap], axis=1)
+    rows = Reading("paste.csv", "contact", read, places=places).guess(ndtr(-gap / CONTACT_BLUR)).rows
+    assert rows is not None
+    assert rows[0] == pytest.approx(0.0995 if astray else np.sqrt(5e-4), rel=0.02)
+
+
+def test_noise_is_lowered_as_long_as_an_entry_points_at_less(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The entry takes a richer form in less noise, and only that one's leaves so little that it is named."""
+
+    def close(problem: object, *, noise: SimpleNamespace, **_: object) -> SimpleNamespace:
+        named = noise.sd[0] < 1.5
+        after = SimpleNamespace(ids=("tilt",) if named else (), fit=SimpleNamespace(predicted=np.zeros(1)))
+        return SimpleNamespace(verdict="effect" if named else "noise", after=after, noise=noise, scores={"tilt": 10.0})
+
+    def halved(problem: object, found: SimpleNamespace, noise: object) -> SimpleNamespace:
+        return SimpleNamespace(sd=0.5 * found.noise.sd)
+
+    monkeypatch.setattr(finalise, "close", close)
+    monkeypatch.setattr(finalise, "_pointed", halved)
+    found: Any = close_rounds(None, lambda problem, predicted: SimpleNamespace(sd=np.array([4.0])))[1]  # type: ignore
+    assert (found.verdict, found.noise.sd[0]) == ("effect", 1.0)
 
 
 NEW = [

@@ -110,10 +110,19 @@ def _shrink(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the share of the thickness that is lost, the document's and then the found one of the rest."""
     section = dict(draft.foam.get("shrinkage", {}))
     lost = 1.0 - (1.0 - draft.told.model.foam.lost) * (1.0 - at["amount"])
-    if "time" in section:
+    slow = at.get("time_s")
+    if slow is None and "time" in section:
         dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
         lost /= -float(np.expm1(-dwell / time))
+    if slow is not None:
+        closed = section.get("dwell") or draft.foam.get("relaxation", {}).get("dwell") or f"{_longest(draft)!r} s"
+        section |= {"time": f"{slow!r} s", "dwell": closed}
     draft.foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
+
+
+def _longest(draft: _Draft) -> float:
+    """Return the longest time [s] that was read, a minute where none was."""
+    return max((float(np.max(one.time_s)) for one in draft.problem.files if one.time_s is not None), default=60.0)
 
 
 def _vary(draft: _Draft, at: Mapping[str, float]) -> None:
@@ -192,14 +201,13 @@ def _stiffen(foam: dict[str, Any], factor: float) -> None:
 
 def _relax(draft: _Draft, at: Mapping[str, float]) -> None:
     """Write the document's relaxation and beside it the one that was found, of what that leaves of the pressure."""
-    foam, readings = draft.foam, draft.problem.files
+    foam = draft.foam
     given = dict(foam.get("relaxation", {}))
     share = given.get("share", 0.0)
     shares = [*share] if isinstance(share, list) else [share] if share else []
     times = given.get("time", "1 s")
     times = [*times] if isinstance(times, list) else [times] * len(shares)
-    longest = max((float(np.max(one.time_s)) for one in readings if one.time_s is not None), default=60.0)
-    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{longest!r} s"
+    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{_longest(draft)!r} s"
     seconds = quantity(dwell, "time")
     lasting = [s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)]
     faded, slow = at["share"], at.get("time_s")

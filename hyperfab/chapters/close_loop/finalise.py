@@ -50,8 +50,8 @@ class Extension:
     notes: Sequence[str]
 
 
-#: Noise that is less by as much is another: the loop is closed again with that.
-_LESS = 0.85
+#: Noise that is less by as much is another: the loop is closed again with that, so often at most.
+_LESS, _POINTED = 0.85, 3
 #: What moves the progress line on, with what is being done; and what traces a finding to the documents behind a model.
 Ticks = Callable[[str], None]
 Traces = Callable[[Finding, LoopDocument], Sequence[str]]
@@ -191,10 +191,15 @@ def close_rounds(
         found = closed(noise=level)
         less = noise(posed, found.after.fit.predicted)
         quiet = closed(noise=less) if np.any(less.sd < _LESS * level.sd) else found
-        if quiet.verdict != "noise" or max(quiet.scores.values(), default=0.0) < TOLD:
-            return quiet
-        pointed = _pointed(posed, quiet, noise)
-        named = quiet if pointed is None else closed(noise=pointed)
+        named = quiet
+        for _ in range(_POINTED):
+            if named.verdict != "noise" or max(named.scores.values(), default=0.0) < TOLD:
+                break
+            pointed = _pointed(posed, named, noise)
+            if pointed is None:
+                break
+            # In less noise the entry may take a richer form, which leaves less again.
+            named = closed(noise=pointed)
         return named if named.after.ids else quiet
 
     found = anew(problem)

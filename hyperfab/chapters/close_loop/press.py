@@ -254,11 +254,13 @@ def _warmth(told: PressResult, mean: float, temperature: float) -> Warmth:
         for expansion, grown in zip(told.model.files.expansions, told.model.grown, strict=True)
     )
     case, document = told.model.case, told.model.files.document
+    hot = mean - told.reference
+    share = (temperature - told.reference) / hot if abs(hot) >= 1.0 else 1.0
     if _foam_of(told).law_degC is not None:
-        return Warmth(temperature, (male, female))
+        return Warmth(temperature, (male, female), share=share)
     quiet = Job(case.COMMAND, [], Listener())
     laws, _ = compression_law(quiet, case.foam, document, temperature, case.dwell)
-    return Warmth(temperature, (male, female), laws.at(temperature))
+    return Warmth(temperature, (male, female), laws.at(temperature), share)
 
 
 def _in_press(told: PressResult, setting: Setting, reading: Reading) -> Reading:
@@ -292,6 +294,7 @@ def _foam_of(told: PressResult) -> FoamContext:
         even=told.model.case.dwell is None
         and all(grown.celsius is None for grown in told.model.grown)
         and abs(told.model.grown[0].temperature - told.model.grown[1].temperature) < 1e-9,
+        shrinks=told.model.foam.lost > 0.0,
         law_degC=None if several else told.reference if law.temperature is None else law.temperature,
     )
 

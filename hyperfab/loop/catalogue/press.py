@@ -27,13 +27,14 @@ class PressEffect(Effect):
 class FoamContext:
     """What the model has of the sandwich: how thick [mm] its fabrics are, whether they give way across, whether a law
     says what stays of the foam's strain, and at which temperature [degC] its stiffness holds, None where several are
-    told; whether it is as hot at each place as both molds."""
+    told; whether it is as hot at each place as both molds, and whether it shrinks in the model already."""
 
     fabric_mm: float = 0.0
     across: bool = False
     sets: bool = False
     law_degC: float | None = None
     even: bool = True
+    shrinks: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
     return (
         fabric_compression(context),
         foam_relaxation(context),
-        foam_shrinkage(),
+        foam_shrinkage(context),
         foam_softening(context),
         frame_compliance(context),
         lateral_shift(),
@@ -142,16 +143,34 @@ def _fade(press: Changes, at: Mapping[str, float]) -> None:
     press.left.append(left)
 
 
-def foam_shrinkage() -> Effect:
-    """Foam that has lost thickness to heat, ``shrinkage`` of foam.toml: a share of its thickness."""
-    amount = Constant("amount", 0.0, 0.0, 0.8, 0.02, places=("lost",))
-    return Effect(
+def foam_shrinkage(context: DataContext) -> PressEffect:
+    """Foam that has lost thickness to heat, ``shrinkage`` of foam.toml: a share of its thickness, and with
+    readings over time its time."""
+    amount = Constant("amount", 0.0, 0.0, 0.8, 0.02)
+    forms = [Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),))]
+    if context.timed and not context.foam.shrinks:
+        whole, half = context.time_s, 0.3 * context.time_s
+        time = Constant("time_s", half, 1e-3 * whole, 30.0 * whole, 0.1 * whole)
+        forms.append(Form("in time", (amount, time), ((0.05, half), (0.05, 0.1 * half)), ((0.02, half),)))
+    return PressEffect(
         id="foam-shrinkage",
         title="the foam has shrunk",
         shown_by="the thickness of the foam before and after it was heated without load",
         source="ASTM D2126: response of rigid cellular plastics to heat",
-        forms=(Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),)),),
+        forms=tuple(forms),
+        move=_shrink,
     )
+
+
+def _shrink(press: Changes, at: Mapping[str, float]) -> None:
+    """Let the foam lose thickness in time, or have lost it from the first where no time is known."""
+
+    def lost(reading: Reading) -> Array | float:
+        if "time_s" not in at or reading.time_s is None:
+            return at["amount"]
+        return np.asarray(-at["amount"] * np.expm1(-reading.time_s / at["time_s"]))
+
+    press.lost.append(lost)
 
 
 def foam_softening(context: DataContext) -> PressEffect:
