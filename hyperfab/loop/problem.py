@@ -30,6 +30,15 @@ class Constant:
     prior_sd: float = np.inf
     places: tuple[str, ...] = ()
 
+    def ends(self, value: float) -> bool:
+        """Whether a fit has moved it as far as it may go: others may then make up for the rest of its way.
+
+        >>> [Constant("contact.0.h", 1.0, 0.2, 1.8).ends(value) for value in (0.2, 0.3, 1.8)]
+        [True, False, True]
+        """
+        near = 1e-3 * min(abs(self.value - self.low), self.scale)
+        return bool(min(value - self.low, self.high - value) <= near)
+
 
 @dataclass(frozen=True)
 class Form:

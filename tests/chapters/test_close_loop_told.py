@@ -17,14 +17,14 @@ from conftest import Run
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
-from hyperfab.chapters.close_loop.words import _no_other
+from hyperfab.chapters.close_loop.words import _far_from_known, _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
-from hyperfab.loop.problem import Effect
+from hyperfab.loop.problem import Constant, Effect
 
 MODEL = {
     "format": "hyperfab.material/1",
@@ -472,3 +472,13 @@ def test_the_columns_of_a_logger_are_said_to_be_probes(tmp_path: Path, monkeypat
         read_thermocouples(job, "t.csv", probes, twice)
     with pytest.raises(UsageError, match="names are centre, Edge-left 2, stretch"):
         layout(["Sensor 1=center"], own=probes)
+
+
+def test_a_constant_that_went_as_far_as_it_may_is_told_to_be_there() -> None:
+    """A joint at a fifth of its conductance might have gone to a tenth; one at three tenths was found."""
+    joints = [Constant(f"contact.{k}.h", 1.0, 0.2, 1.8, 0.1, 0.1) for k in range(2)]
+    problem: Any = SimpleNamespace(expected=joints)
+    found: Any = SimpleNamespace(after=SimpleNamespace(fit=SimpleNamespace(x=np.array([0.2, 0.3]), own=2)))
+    (line,) = _far_from_known(problem, found)
+    assert "contact.0.h from 1 to 0.2 (8 standard deviations, the farthest it may go)" in line
+    assert "contact.1.h from 1 to 0.3 (7 standard deviations)" in line

@@ -30,6 +30,7 @@ _OTHER_PROBE = 1.5
 _OWN = "gauge it by itself: it would be further off than what is known of it"
 #: An entry is told beside what was found from this probability on.
 _MIGHT = 0.1
+_END = ", the farthest it may go"
 
 
 def strength(lowered: float) -> str:
@@ -205,8 +206,7 @@ def _how_far(document: LoopDocument) -> str:
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
     given = "" if error.delivered is None else f"As delivered the model misses by {_size(error.delivered, unit)}. "
-    refitted = f"With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
-    return given + refitted
+    return f"{given}With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
 
 
 def _far_from_known(problem: Problem, found: Finding) -> list[str]:
@@ -217,7 +217,7 @@ def _far_from_known(problem: Problem, found: Finding) -> list[str]:
     """
     fit = found.after.fit
     told = [
-        f"{one.name} from {one.value:.4g} to {value:.4g} ({abs(away):.2g} standard deviations)"
+        f"{one.name} from {one.value:.4g} to {value:.4g} ({abs(away):.2g} standard deviations{_END * one.ends(value)})"
         for one, value in zip(problem.expected, fit.x, strict=False)
         if np.isfinite(one.prior_sd) and abs(away := (value - one.value) / one.prior_sd) > TOLD
     ]
