@@ -153,21 +153,23 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
 def scatter_of_one_cloth(search: Search, state: Candidate, best: Candidate) -> float:
     """Return the likeliest scatter beside a model of specimens of which no two were tested alike, 0 where two were.
 
-    What ``best`` leaves counts as noise.
+    What ``best`` leaves counts as noise. So they are not where they differ by what they state of themselves.
     """
-    return likeliest_scatter(search, state, best)[1] if _none_alike(search) else 0.0
+    alone = _none_alike(search) and not search.problem.ridden
+    return likeliest_scatter(search, state, best)[1] if alone else 0.0
 
 
 def without_names(search: Search, before: Candidate, doubted: bool) -> tuple[str, float]:
     """Return the verdict where nothing is named, and the scatter of specimens it rests on.
 
     It is noise if specimens that scatter more than was seen could be all there is: where effects were ``doubted`` for
-    that, or where no two were tested alike and they scatter no more than those of one cloth do.
+    that, or where no two were tested alike and they scatter no more than those of one cloth do, and in no order that
+    something they state would tell.
     """
     if before.judgement.is_small:
         return "noise", 0.0
     noise = search.noise
-    if not noise.groups or (replicates(search.problem.curves) and not doubted):
+    if not noise.groups or search.problem.ridden or (replicates(search.problem.curves) and not doubted):
         return "unexplained", 0.0
     if any(off > 0.0 for off in search.problem.forbidden(before.fit.x, {}).values()):
         # What nature does not allow is not what is left once specimens scatter.

@@ -16,7 +16,7 @@ from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_constants import constants_of
 from hyperfab.loop.fabric_menu import menu
-from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, setups_of, smooth_of, states_of
+from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, setups_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy, load_offset, mullins
@@ -282,11 +282,13 @@ def fabric_problem(
     plain = Fabric(law, path, reference)
     own, starts, combinations = constants_of(plain, ways, stress, had, fixed, prior)
     curves, rows, measured = curves_of(path, tests, stress)
+    if ridden := ridden_states(tests, curves, measured):
+        curves, rows, measured = curves_of(path, tests, stress, ridden)
     hang = None if isinstance(law, HyperfoamLaw) else hanging(path, curves, stress)
     fabric = Fabric(law, path, reference, speed, hang)
     way, near = cornered(path)
     whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
-    setups = setups_of(path, tests, sized=False)
+    setups = setups_of(path, tests, sized=False, ridden=ridden)
     replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
     context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
@@ -306,6 +308,7 @@ def fabric_problem(
         own=own,
         effects=effects,
         states=states_of(path, tests, speed),
+        ridden=ridden,
         stated_sd=stated,
         nuisance=smooth_of(path, len(measured)),
         units=units,

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.curve import TestCurve, sheared
+from hyperfab.loop.gauges import factors_of
 from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
+from hyperfab.loop.replicates import ride
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, moving
 
@@ -74,11 +76,16 @@ def _clock(test: TestCurve) -> Array:
     return np.concatenate([[0.0], np.cumsum(step)])
 
 
-def curves_of(path: Path, tests: Sequence[TestCurve], stress: Array) -> tuple[tuple[Curve, ...], Array, Array]:
-    """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those."""
+def curves_of(
+    path: Path, tests: Sequence[TestCurve], stress: Array, ridden: Collection[str] = ()
+) -> tuple[tuple[Curve, ...], Array, Array]:
+    """Return the curves, the rows that state a transverse stretch, and the readings: stresses, then those.
+
+    Tests that differ in a ``ridden`` state are no replicates.
+    """
     curves, rows, extra = [], [], []
     at = len(stress)
-    setups, sizes = setups_of(path, tests), _sizes_of(tests)
+    setups, sizes = setups_of(path, tests, ridden=ridden), _sizes_of(tests)
     for test, place, setup, size in zip(tests, path.curves, setups, sizes, strict=True):
         up = path.up[place]
         corners = (np.diff(up) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
@@ -120,20 +127,20 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
     return found
 
 
-def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True) -> list[str]:
+def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True, ridden: Collection[str] = ()) -> list[str]:
     """Return what each test shares with its replicates: its state, its size, and the whole way it was led, in both
     stretches.
 
     What grips take is told by the length, what a load cell is off by the section: tests of other sizes are no
     replicates, unless sizes do not count (``sized``). A state that no law knows, as the humidity, keeps specimens
-    apart where it is stated alike for several; what each has of its own, as its mass, does not.
+    apart where it is stated alike for several; what each has of its own, as its mass, only where their stiffness has
+    ``ridden`` on it.
     """
-    stated = {name: [test.others.get(name) for test in tests] for name in _others(tests)}
-    shared = [name for name, values in stated.items() if 2 * len({*values}) <= len(tests)]
+    apart = [name for name in _others(tests) if name in ridden or _is_shared(name, tests)]
     found: list[tuple[str, float, Array, tuple[Array, Array], str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
-        how, pace = _how(test, path.moved(rows))
-        how, way = " ".join([how, *(f"{test.others.get(name)}" for name in shared)]), _way(path, rows)
+        how, pace = _how(test, path.moved(rows), apart)
+        way = _way(path, rows)
         size = _size(test)
         same = (
             name
@@ -173,10 +180,36 @@ def _sizes_of(tests: Sequence[TestCurve]) -> list[str]:
     return names
 
 
-def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:
-    """Return mode, whether it pulls or presses, direction, temperature and stated rate of a test, rounded; and where no
-    rate is stated, its pace [1/s], 1 where it has no clock."""
+def _is_shared(name: str, tests: Sequence[TestCurve]) -> bool:
+    """Whether a state is stated alike for several tests: each value of it for two, on average."""
+    return 2 * len({test.others.get(name) for test in tests}) <= len(tests)
+
+
+def ridden_states(tests: Sequence[TestCurve], curves: Sequence[Curve], measured: Array) -> tuple[str, ...]:
+    """Return the states that each specimen has of its own and no law knows, on which the stiffness of those that were
+    otherwise led alike rides.
+
+    One strip at each of four humidities is no set of replicates, though none shares its humidity with another.
+    """
+    names = [name for name in _others(tests) if not _is_shared(name, tests)]
+    read = [curve for curve in curves if curve.channel == 0]
+    led: dict[str, list[int]] = {}
+    for k, curve in enumerate(read):
+        led.setdefault(curve.setup, []).append(k)
+    groups = [(np.array(one), np.log(factors_of(measured, [read[k] for k in one]))) for one in led.values()]
+    found = []
+    for name in names:
+        values = np.array([test.others.get(name, np.nan) for test in tests])
+        if ride([(values[members], stiffness) for members, stiffness in groups], len(names)):
+            found.append(name)
+    return tuple(found)
+
+
+def _how(test: TestCurve, stretch: Array, states: Sequence[str]) -> tuple[str, float]:
+    """Return mode, whether it pulls or presses, direction, temperature with the ``states`` that no law knows, and
+    stated rate of a test, rounded; and where no rate is stated, its pace [1/s], 1 where it has no clock."""
     temperature = "-" if test.temperature_degC is None else f"{float(np.mean(test.temperature_degC)):.0f}"
+    surroundings = "/".join([temperature, *(f"{test.others.get(name)}" for name in states)])
     speed, pace = "-" if test.rate_1_s is None else f"{float(np.median(test.rate_1_s)):.2g}", 1.0
     span = 0.0 if test.time_s is None else float(test.time_s[-1] - test.time_s[0])
     if speed == "-" and test.time_s is not None and span > 0.0:
@@ -186,7 +219,7 @@ def _how(test: TestCurve, stretch: Array) -> tuple[str, float]:
         pace = float(np.sum(moved[going]) / np.sum(took[going])) if np.any(going) else 1.0
         speed = "by its clock"
     way = "pulls" if np.max(stretch) - 1.0 >= 1.0 - np.min(stretch) else "presses"
-    return f"{test.mode} {way} {test.angle_deg:.0f} {temperature} {speed}", pace
+    return f"{test.mode} {way} {test.angle_deg:.0f} {surroundings} {speed}", pace
 
 
 def _way(path: Path, rows: slice) -> tuple[Array, Array]:

@@ -49,13 +49,12 @@ def misread(curves: Sequence[Curve], measured: Array) -> list[Misread]:
         if curve.channel == 0 and curve.setup:
             both = curve.setup.startswith(MODE_NAMES[GENERAL])
             led = curve.setup if both else " ".join(curve.setup.split()[:4])  # but for its pace
-            groups.setdefault(led, []).append(_first_pull(curve))
+            groups.setdefault(led, []).append(curve)
     found = []
     for members in groups.values():
-        known = [_factor(measured, one, other) for one, other in pairwise(members)]
-        if len(members) < 2 or not np.all(np.isfinite(known)):
+        logs = np.log(factors_of(measured, members))
+        if len(members) < 2 or not np.all(np.isfinite(logs)):
             continue
-        logs = np.concatenate([[0.0], np.cumsum(np.log(known))])
         away = np.abs(logs - np.median(logs))
         worst = int(np.argmax(away))
         sure = len(members) > 2
@@ -64,6 +63,13 @@ def misread(curves: Sequence[Curve], measured: Array) -> list[Misread]:
             factor = float(np.exp(logs[worst] - logs[like]))
             found.append(Misread(members[worst].name, members[like].name, factor, sure))
     return found
+
+
+def factors_of(measured: Array, curves: Sequence[Curve]) -> Array:
+    """Return how many times the stress of the first of some curves each has on its first pull, nan where they have no
+    stretch in common."""
+    pulls = [_first_pull(curve) for curve in curves]
+    return np.asarray(np.cumprod([1.0, *(_factor(measured, one, other) for one, other in pairwise(pulls))]))
 
 
 def _first_pull(curve: Curve) -> Curve:

@@ -212,6 +212,8 @@ class Problem(ABC):
     stated_sd: Array | None = None
     nuisance: Array | None = None
     units: tuple[str, ...] = ("",)
+    #: States that no law knows, on which the stiffness of specimens rides: they scatter by less than they differ.
+    ridden: tuple[str, ...] = ()
     #: Fits that were made, see ``fitting.descent``.
     descents: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
     #: Entries of which the forms that refine them are tried too, for the first term.
