@@ -79,7 +79,7 @@ def crept_smoothly(
     """Return a set that follows a smooth function of the largest strain, over way and time.
 
     ``values`` are the reach, the strain pulled and the time [s] over which the set comes nearer to it, and its values
-    at thirds of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
+    at even parts of the reach. One that ``flows`` follows that function of the present strain, as long as this asks for
     more: it stops as the load goes. ``by_load`` the load stands for the strain: a sheet pulled both ways bears more at
     the same strain. The set is so many ``times`` that function.
     """
@@ -162,12 +162,31 @@ class Form(NamedTuple):
 
 def _returned(bends: bool = False) -> Lengthens:
     def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
-        rest = np.minimum(_rest(peak, *_curved(values, bends)), 0.95 * (peak - 1.0))
-        elastic = returned(stretch, peak, rest, path.least)
-        # It shows on the way down, the more the further down.
-        return elastic, np.where(elastic > path.least, stretch / elastic - 1.0, rest)
+        return _seen(path, stretch, peak, np.minimum(_rest(peak, *_curved(values, bends)), 0.95 * (peak - 1.0)))
 
     return found
+
+
+def _returned_smoothly(by_load: bool = False) -> Lengthens:
+    """Return the form of a set seen on the way down that is a smooth function of the largest strain, or load.
+
+    Its constants are the reach, and the set at fifths of it; ``by_load`` how much more it is along the weft
+    and in other modes as well.
+    """
+
+    def found(path: Path, stretch: Array, peak: Array, values: Array) -> tuple[Array, Array]:
+        strained = pulls(path, peak) if by_load else peak - 1.0
+        rest = through(strained / values[0], values[1:6])
+        rest = np.clip(amount(path, *values[6:8]) * rest if by_load else rest, 0.0, 0.95 * (peak - 1.0))
+        return _seen(path, stretch, peak, rest)
+
+    return found
+
+
+def _seen(path: Path, stretch: Array, peak: Array, rest: Array) -> tuple[Array, Array]:
+    """Return the elastic stretch over a set that is seen on the way down, the more the further down, and so much."""
+    elastic = returned(stretch, peak, rest, path.least)
+    return elastic, np.where(elastic > path.least, stretch / elastic - 1.0, rest)
 
 
 def _flow(bends: bool = False, added: bool = False, earlier: bool = False) -> Lengthens:
@@ -218,6 +237,10 @@ FORMS: Mapping[str, Form] = {
     "smooth-flow": Form(6, _over(partial(crept_smoothly, flows=True))),
     "smooth-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=False))),
     "smooth-flow-load-each-way": Form(8, _over(partial(_by_load_each_way, flows=True))),
+    "smooth-close": Form(8, _over(crept_smoothly)),
+    "smooth-flow-close": Form(8, _over(partial(crept_smoothly, flows=True))),
+    "smooth-returned": Form(6, _returned_smoothly(), flows=False),
+    "smooth-returned-load-each-way": Form(8, _returned_smoothly(by_load=True), flows=False),
     "cycles": Form(2, _over(kept_on)),
     "cycles-added": Form(2, _over(kept_on, added=True), flows=False),
 }
@@ -225,5 +248,6 @@ FORMS: Mapping[str, Form] = {
 NETWORKS = ("network", "network-power")
 #: Forms that leave a first pull as the law has it.
 SPARES_FIRST_PULL = (
-    "returned", "returned-power", "returned-bent", "next-pull", "next-pull-power", "next-pull-added"
+    "returned", "returned-power", "returned-bent", "smooth-returned", "smooth-returned-load-each-way",
+    "next-pull", "next-pull-power", "next-pull-added",
 )  # fmt: skip

@@ -198,19 +198,31 @@ def permanent_set(context: DataContext) -> Effect:
     network = form("network")
     bent = Form("network-power", (share, power), ((0.1, 0.7),), refines="network")
     forms = (*plain, *curved, crept, more, *sums, network, bent)
-    sets = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 4)]
+    fine = [Constant(f"set_{k}", 0.0, 0.0, 0.6 * reach, 0.01 * reach) for k in range(1, 6)]
+    sets = fine[:3]
     over = (Constant("strain", 0.1 * reach, 0.01 * reach, 50.0 * reach, reach), _slowly(context))
     start = (0.3 * reach, over[1].value, 0.02 * reach, 0.05 * reach, 0.1 * reach)
+    closer = tuple(share * reach for share in (0.01, 0.025, 0.045, 0.07, 0.1))
     smooth = [
         freely(forms, name, (fixed("reach", reach), *over, *sets), (reach, *start))
         for name in ("smooth", "smooth-flow")
     ]
+    # One that begins late, or comes at once, bends more than thirds of the reach tell.
+    smooth += [
+        replace(
+            freely(forms, f"{one.name}-close", (fixed("reach", reach), *over, *fine), (reach, *start[:2], *closer)),
+            refines=one.name,
+        )
+        for one in smooth
+    ]
+    smooth.append(freely(forms, "smooth-returned", (fixed("reach", reach), *fine), (reach, *closer)))
     # A sheet pulled both ways bears more at the same strain.
     pull = 1.0 + reach - (1.0 + reach) ** -2.0
     by_load = [
         freely(forms, f"{name}-load", (fixed("reach_of_load", pull), *over, *sets), (pull, *start))
         for name in ("smooth", "smooth-flow")
     ]
+    by_load.append(freely(forms, "smooth-returned-load", (fixed("reach_of_load", pull), *fine), (pull, *closer)))
     return Effect(
         id="permanent-set",
         title="part of the strain stays",
