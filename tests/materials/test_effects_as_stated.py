@@ -294,10 +294,7 @@ def set_of(form: str, v: tuple[float, ...]) -> Callable[[Row], float]:
 
     def stress(row: Row) -> float:
         if form.startswith("returned"):
-            if row.l >= row.lm:
-                return P(row.l)
-            s = rest_length(form, v, row.em)
-            return P(1.0 + max((row.e - s) * row.em / (row.em - s), 0.0))
+            return set_shown(row, rest_length(form, v, row.em))
         if form.startswith("network"):
             power = v[1] if len(v) > 1 else 1.0
             c = v[0] * (2.0 * row.em) ** power
@@ -311,6 +308,11 @@ def set_of(form: str, v: tuple[float, ...]) -> Callable[[Row], float]:
         return over(row, rest_length(form, v, em))
 
     return stress
+
+
+def set_shown(row: Row, s: float) -> float:
+    """The law over a set ``s`` that the first pull does not show."""
+    return P(row.l) if row.l >= row.lm else P(1.0 + max((row.e - s) * row.em / (row.em - s), 0.0))
 
 
 def on_the_way_down(factor: Callable[[Row, Row], float]) -> Callable[[Row], float]:
@@ -477,6 +479,11 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
         ("next-pull", (0.21, 0.6)), ("next-pull-power", (0.21, 1.4, 1.0)), ("crept", (0.31, 0.4, 1.0)),
         ("cycles", (0.06, 0.5, 1.0)), ("flow-added", (0.21, 1.0)), ("returned", (0.21, 1.0)),
     )),
+    ("permanent-set", "smooth-returned", (0.7, 0.01, 0.03, 0.06, 0.09, 0.12, 1.0),
+     lambda r: set_shown(r, spline((0.01, 0.03, 0.06, 0.09, 0.12), r.em / 0.7))),
+    ("permanent-set", "smooth-returned-load-each-way", (1.4, 0.01, 0.03, 0.06, 0.09, 0.12, 0.5, 1.3, 1.0),
+     lambda r: set_shown(
+         r, (1.0 + 0.5 * math.sin(r.angle) ** 2) * spline((0.01, 0.03, 0.06, 0.09, 0.12), (r.lm - r.lm**-2) / 1.4))),
     ("thermal-softening", "exponential", (0.004,), lambda r: P(r.l) * math.exp(-0.004 * (r.temperature - REFERENCE))),
     ("thermal-softening", "curved", (0.004, 5e-5),
      lambda r: P(r.l) * math.exp(-0.004 * (r.temperature - REFERENCE) - 5e-5 * (r.temperature - REFERENCE) ** 2)),
@@ -657,6 +664,7 @@ NOT_HERE = {
     ("compressibility", "width-smooth"), ("compressibility", "width-directions-smooth"),
     ("hysteresis", "smooth-each-way"),
     ("permanent-set", "smooth-load-each-way"), ("permanent-set", "smooth-flow-load-each-way"),
+    ("permanent-set", "smooth-close"), ("permanent-set", "smooth-flow-close"),
 }  # fmt: skip
 
 
