@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.arrays import Array
-from hyperfab.loop.belief import Belief, allowed, surprise
+from hyperfab.loop.belief import Belief, allowed, coincidence, surprise
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import Candidate, common_bic
 from hyperfab.loop.noise import Noise
@@ -125,6 +125,10 @@ def does_the_same(search: Search, best: Candidate, state: Candidate, imprint: Ca
     refitted; or, where laws are physics, all but a share.
     """
     problem = search.problem
+    instead = [name for name in state.ids if name not in best.ids and state.fit.forms[name].of_each]
+    if any(coincidence(state, name) > 0.5 * MARGIN for name in instead):
+        # How specimens were mounted or read does not follow how they were then led: it stands for what does.
+        return False
     if problem.well_known and is_strained(problem, state.fit) and not is_strained(problem, best.fit):
         return False
     as_good = _gap(search, best, state) < MARGIN

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -11,8 +13,10 @@ from loop.test_honest import posed, pulled, rubber
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.engine import close
+from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.gauges import misread
 from hyperfab.loop.noise_estimate import estimate_noise
+from hyperfab.materials.registry import law
 
 
 def strips(state: str, values: Sequence[float], gains: Sequence[float]) -> list[TestCurve]:
@@ -64,3 +68,19 @@ def test_strips_of_one_humidity_are_compared_and_those_of_another_are_not() -> N
     assert misread(posed(tests).curves, posed(tests).measured) == []
     tests = strips("humidity", (40.0, 40.0, 40.0, 80.0, 80.0, 80.0), (1.0, 2.0, 0.99, 0.7, 0.7, 0.71))
     assert [one.name for one in misread(posed(tests).curves, posed(tests).measured)] == ["1"]
+
+
+def test_slack_that_follows_the_direction_does_not_stand_for_warp_and_weft() -> None:
+    """Three strips of Mooney and Rivlin's law along each, the weft softer, and a zero of the load cell of each."""
+
+    def stress(lam: np.ndarray, angle: float, zero: float) -> np.ndarray:
+        much = 0.72 + 0.1 * (lam - 1.0) if angle else 1.0
+        return np.asarray(much * 2.0 * (lam - lam**-2.0) * (0.1 + 0.06 / lam) + zero)
+
+    tests = []
+    for k, (angle, zero) in enumerate(product((0.0, 90.0), (0.0, 0.025, -0.015))):
+        given = partial(stress, angle=angle, zero=zero)
+        test = pulled(given, seed=k, noise=2e-3, rows=19, reach=0.7, name=f"{k}")
+        tests.append(replace(test, stretch=test.stretch[1:], stress=test.stress[1:], direction=angle))
+    found = close(fabric_problem(law("mooney-rivlin-3"), (0.1, 0.05, 0.002), tests), design=False)
+    assert (found.verdict, {*found.after.ids}) == ("effect", {"load-offset", "anisotropy"})
