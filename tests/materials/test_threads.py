@@ -150,3 +150,18 @@ def test_the_nearest_ground_answers_as_the_law_does(name: str, constants: tuple[
     found = Fabric(ground, pull).stress(np.array([near[one] for one in ground.names]), None, {})
     assert min(near.values()) >= 0.0
     assert found == pytest.approx(wanted, abs=0.01 * np.max(wanted))
+
+
+def test_equal_biaxial_tests_read_along_both_axes_are_each_its_own() -> None:
+    """Of one direction, or none, a reading is the mean of both axes: it does not say which arm it is of."""
+
+    def answered(angles: list[float]) -> np.ndarray:
+        path = posed(cut(angles, BIAXIAL)).fabric.path
+        return Threads(path).answer(CONSTANTS, path.stretch, path.stretch)[0].reshape(len(angles), -1)
+
+    both = posed(cut([0.0, 90.0], GENERAL)).fabric.path
+    arms = Threads(both).answer(CONSTANTS, both.stretch, both.stretch)[0].reshape(2, -1)
+    assert arms[0, -1] > 1.5 * arms[1, -1]
+    np.testing.assert_allclose(answered([0.0, 90.0]), arms, rtol=1e-12)
+    np.testing.assert_allclose(answered([0.0])[0], arms.mean(axis=0), rtol=1e-12)
+    assert posed(cut([0.0, 90.0], BIAXIAL)).fabric.path.weft_share.reshape(2, -1)[:, -1].tolist() == [0.0, 1.0]

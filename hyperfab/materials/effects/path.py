@@ -106,9 +106,16 @@ class Path:
         return found
 
     @cached_property
+    def of_both_axes(self) -> Flags:
+        """Rows of equal biaxial tests that read both axes as one: all, unless several directions were read."""
+        equal, known = self.mode == BIAXIAL, np.isfinite(self.angle_deg)
+        several = len(np.unique(self.angle_deg[equal & known])) > 1
+        return equal & ~(known & several)
+
+    @cached_property
     def weft_share(self) -> Array:
-        """How much of the weft's answer a row has: sin^2 of the angle from the warp; half in an equibiaxial test."""
-        share = np.where(self.mode == BIAXIAL, 0.5, np.sin(np.radians(self.angle_deg)) ** 2)
+        """How much of the weft's answer a row has: sin^2 of the angle from the warp; half where it reads both axes."""
+        share = np.where(self.of_both_axes, 0.5, np.sin(np.radians(self.angle_deg)) ** 2)
         # Rows without a direction answer like the warp.
         share = np.where(np.isfinite(share), share, 0.0)
         # sin(90 deg) squared is 1 to rounding; the weft is the weft.

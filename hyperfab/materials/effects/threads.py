@@ -14,7 +14,7 @@ from functools import cache
 import numpy as np
 from scipy.optimize import nnls
 
-from hyperfab.materials.effects.path import BIAXIAL, UNIAXIAL, Path, second_stretch
+from hyperfab.materials.effects.path import UNIAXIAL, Path, second_stretch
 from hyperfab.materials.law import Array, Law, Sheet
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.energy import ABSENT
@@ -55,8 +55,7 @@ class Threads:
         square = path.mode != UNIAXIAL
         if np.any(square):
             one, other, energy[square] = held(law, angle[square], stretch[square], across[square])
-            # An equal biaxial test reads both axes as one.
-            stress[square] = np.where(path.mode[square] == BIAXIAL, 0.5 * (one + other), one)
+            stress[square] = np.where(path.of_both_axes[square], 0.5 * (one + other), one)
         cuts = np.unique(angle[~square])
         if len(cuts) == 0:
             return stress, energy, across
