@@ -21,6 +21,8 @@ _STANDS = 0.1
 #: Paces within this factor count as one, where none is stated: machines and hands keep one so well. Rates that were
 #: chosen to differ are further apart.
 ONE_PACE = 1.5
+#: Readings of one way, or one hold, that tell as much of it as any number.
+_A_WAY = 300
 #: Sizes of specimens within this factor count as one: those cut by hand are a few percent apart.
 _ONE_SIZE = 1.2
 
@@ -125,6 +127,24 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
             noise = max(MAD * float(np.median(np.abs(apart))) if len(apart) else 0.0, MACHINE * float(np.max(read)))
             found[curve.rows] &= float(np.min(read)) > -np.sqrt(clearly()) * noise
     return found
+
+
+def thinned(test: TestCurve) -> TestCurve:
+    """Return a test with so many readings of each way at most, evenly, and of each hold, closer after it begins.
+
+    A machine that logs a thousand times a second reads the same curve more often than any law bends. Where the way
+    turns, a hold begins or ends, the readings stay.
+    """
+    path, _ = path_of([test])
+    [curve, *_], _, _ = curves_of(path, [test], test.stress)
+    kept = []
+    for piece in curve.pieces():
+        count = piece.stop - piece.start
+        some = np.linspace(0.0, count - 1.0, min(count, _A_WAY))
+        if count > _A_WAY and path.still[piece].all():
+            some = np.concatenate([some[::2], np.geomspace(1.0, count, _A_WAY // 2) - 1.0])
+        kept.append(piece.start + np.unique(some.round().astype(np.int64)))
+    return test.take(np.concatenate(kept))
 
 
 def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True, ridden: Collection[str] = ()) -> list[str]:

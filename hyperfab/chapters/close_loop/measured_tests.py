@@ -24,6 +24,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.role_words import UnknownTest
+from hyperfab.loop.fabric_tests import thinned
 from hyperfab.materials.effects.path import moving
 from hyperfab.materials.modes import OF_A_SHEET
 from hyperfab.numerics.hygiene import look
@@ -207,7 +208,10 @@ def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> 
             prepare([test], steps, Counter(), [])  # says why
         measured.preparation += [one for one in dict.fromkeys(told) if one not in measured.preparation]
         parts = prepared
-    for number, run in parts:
+    for number, whole_run in parts:
+        run = thinned(whole_run)
+        if fewer := len(whole_run.stretch) - len(run.stretch):
+            measured.left_out[f"{test.source}: between readings that tell as much"] += fewer
         curve = _curve(run, factor, number)
         if test.mode == "biaxial-general" and curve.direction is None:
             # Its two axes are across each other whether or not the file says which is the warp.
