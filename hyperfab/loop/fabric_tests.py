@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from hyperfab.loop.problem import Curve
 from hyperfab.loop.replicates import ride
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, moving
+
+T = TypeVar("T", bound=TestCurve)
 
 _SMOOTH_DEGREE = 5
 #: Rows slower than this share of a test's mean pace stand still.
@@ -129,7 +132,7 @@ def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
     return found
 
 
-def thinned(test: TestCurve) -> TestCurve:
+def thinned(test: T) -> T:
     """Return a test with so many readings of each way at most, evenly, and of each hold, closer after it begins.
 
     A machine that logs a thousand times a second reads the same curve more often than any law bends. Where the way

@@ -129,7 +129,7 @@ def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
     """As good by BIC and of nearly the same imprint, but at odds of ninety to one: no rival if its shape is free."""
     search: Any = SimpleNamespace(problem=SimpleNamespace(well_known=False, describes=True), noise=None)
     fit = SimpleNamespace(forms={"other": SimpleNamespace(free=free)})
-    best, other = (SimpleNamespace(fit=fit, surprise=one) for one in (1.0, 1.0 + less_likely))
+    best, other = (SimpleNamespace(fit=fit, ids=(), surprise=one) for one in (1.0, 1.0 + less_likely))
     monkeypatch.setattr(confounding, "_gap", lambda *given: 0.0)
     monkeypatch.setattr(confounding, "_misfit", lambda *given: 0.0)
     monkeypatch.setattr(confounding, "surprise", lambda state: state.surprise)

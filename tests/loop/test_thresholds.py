@@ -240,7 +240,8 @@ def same(
     problem = SimpleNamespace(own=[Constant("a", 0.0, prior_sd=1.0)], well_known=True, describes=False)
     search: Any = SimpleNamespace(problem=problem, noise=None)
     best, other = (
-        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10), forms={})) for x in (0.0, away)
+        SimpleNamespace(fit=SimpleNamespace(x=np.array([x]), residual=np.zeros(10), forms={}), ids=())
+        for x in (0.0, away)
     )
     patch.setattr(confounding, "_misfit", lambda *given: 10.0 * left)
     patch.setattr(confounding, "_gap", lambda *given: gap)
