@@ -42,6 +42,8 @@ ABSENT = dict.fromkeys(NAMES, 0.0) | {"nu": 0.5, "bias_deg": 45.0}
 #: Between which values each constant has a meaning.
 WALLS = dict.fromkeys(NAMES, (0.0, math.inf)) | {"nu": (0.0, 0.5), "bias_deg": (0.0, 90.0)}
 
+#: Where the energy, stress and stiffness of each term and an invariant's derivatives are worked out.
+Room = tuple[Array, Array, Array, Array, Array]
 #: Below this exponent of the volume the power is a logarithm.
 _TINY = 1e-9
 
@@ -134,21 +136,38 @@ class Orthotropic:
 
 @kernel
 def _answer(C: Array, constants: Array, energy: Array, stress: Array, stiffness: Array) -> None:
-    """Sum the terms whose constant is not zero."""
+    """Energy (n,), stress (n, 3) and stiffness (n, 3, 3) of strains (n, 3)."""
+    room = make_room()
+    for i in range(len(C)):
+        energy[i] = answer_at(C[i], constants, room, stress[i], stiffness[i])
+
+
+@part
+def make_room() -> Room:
+    """Where the terms of one strain are worked out."""
+    count = len(LINEAR)
+    return np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3)), np.empty(3), np.empty((3, 3))
+
+
+@part
+def answer_at(c: Array, constants: Array, room: Room, stress: Array, stiffness: Array) -> float:
+    """Sum the terms whose constant is not zero: the energy at one strain, ``stress`` (3,) and ``stiffness`` (3, 3)."""
     count = len(LINEAR)
     wanted, theta = constants[:count] != 0.0, constants[count:]
-    w, g, H = np.zeros(count), np.zeros((count, 3)), np.zeros((count, 3, 3))
-    p, P = np.empty(3), np.empty((3, 3))
-    for i in range(len(C)):
-        _terms(C[i], theta, wanted, True, p, P, w, g, H)
-        for k in range(count):
-            if wanted[k]:
-                c = constants[k]
-                energy[i] += c * w[k]
-                for a in range(3):
-                    stress[i, a] += c * g[k, a]
-                    for b in range(3):
-                        stiffness[i, a, b] += c * H[k, a, b]
+    w, g, H, p, P = room
+    _terms(c, theta, wanted, True, p, P, w, g, H)
+    energy = 0.0
+    stress[:] = 0.0
+    stiffness[:] = 0.0
+    for k in range(count):
+        if wanted[k]:
+            factor = constants[k]
+            energy += factor * w[k]
+            for a in range(3):
+                stress[a] += factor * g[k, a]
+                for b in range(3):
+                    stiffness[a, b] += factor * H[k, a, b]
+    return energy
 
 
 @kernel

@@ -11,11 +11,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.arrays import Array, Flags
 from hyperfab.materials.material import Uniaxial
-from hyperfab.materials.orthotropic.energy import Answer, Orthotropic, least_modulus
+from hyperfab.materials.orthotropic.energy import Answer, Orthotropic, Room, answer_at, least_modulus, make_room
+from hyperfab.numerics.kernels import kernel, part
 
-_STEPS = 60
+_STEPS, _HALVINGS = 60, 30
 #: Residual stress across a strip, over the stress along it, that counts as none, and that an equilibrium may keep
 #: where the next step no longer lessens it.
 _CLOSED, _KEPT = 1e-12, 1e-9
@@ -78,63 +79,17 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
     """
     lam = np.atleast_1d(np.asarray(stretch, dtype=np.float64))
     frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), lam.shape))
-    free = np.stack([frame.nn, frame.tn], axis=1)
     nu = law.parameters["nu"]
     y = np.stack([lam ** (-2.0 * nu), np.zeros_like(lam)], axis=1)
     if near is not None:
         y = np.stack([near.width**2, near.shear * lam * near.width], axis=1)
 
-    def at(y: Array, rows: Ints) -> tuple[Array, Answer, Array]:
-        part = Frame(frame.tt[rows], frame.nn[rows], frame.tn[rows])
-        C = part.strain(lam[rows] ** 2, y[:, 0], y[:, 1])
-        found = law.answer(C)
-        return C, found, 0.5 * np.einsum("nij,nj->ni", free[rows], found.stress)
-
-    open_ = np.arange(len(lam))
-    C, found, g = at(y, open_)
-    for _ in range(_STEPS):
-        scale = (
-            np.abs(np.einsum("nj,nj->n", frame.tt[open_], found.stress[open_]))
-            + np.abs(found.stiffness[open_, 0, 0]) * 1e-3
-        )
-        with np.errstate(invalid="ignore"):
-            still = ~(np.abs(g[open_]).max(axis=1) <= _CLOSED * scale)
-            open_, scale = open_[still], scale[still]
-        if not len(open_):
-            break
-        H = 0.25 * np.einsum("nij,njk,nlk->nil", free[open_], found.stiffness[open_], free[open_])
-        step = _descent(H, g[open_])
-        # The energy falls along a Newton step that is short enough; the width stays positive.
-        length = np.ones(len(open_))
-        start, best, residual = found.energy[open_], y[open_], np.abs(g[open_]).max(axis=1)
-        pending, spent = np.arange(len(open_)), residual <= _KEPT * scale
-        ended = np.zeros(len(open_), dtype=bool)
-        for _ in range(30):
-            rows = open_[pending]
-            trial = best[pending] + length[pending, None] * step[pending]
-            with np.errstate(all="ignore"):
-                inside = (trial[:, 0] > 0.0) & (trial[:, 0] * lam[rows] ** 2 > trial[:, 1] ** 2)
-                C_try, found_try, g_try = at(np.where(inside[:, None], trial, best[pending]), rows)
-                # Near the minimum, and at rest, the energy is flat to rounding: there less stress at the edges counts.
-                rounding = 1e-15 * np.abs(found.stiffness[rows]).max(axis=(1, 2))
-                flat = np.abs(found_try.energy - start[pending]) <= 1e-9 * np.abs(start[pending]) + rounding
-                left = np.abs(g_try).max(axis=1) / residual[pending]
-                fine = inside & ((found_try.energy < start[pending]) | (flat & (left < 1.0)))
-                fine &= (left < 0.5) | ~spent[pending]
-            taken = rows[fine]
-            y[taken], C[taken], g[taken] = trial[fine], C_try[fine], g_try[fine]
-            found.energy[taken], found.stress[taken] = found_try.energy[fine], found_try.stress[fine]
-            found.stiffness[taken] = found_try.stiffness[fine]
-            pending = pending[~fine]
-            ended[pending] = spent[pending]
-            pending = pending[~spent[pending]]
-            length[pending] *= 0.5
-            if not len(pending):
-                break
-        # Where no step helps, rounding has the last word.
-        ended[pending] = True
-        open_ = open_[~ended]
-    along = np.einsum("nj,nj->n", frame.tt, found.stress)
+    found = Answer(np.zeros(len(lam)), np.zeros((len(lam), 3)), np.zeros((len(lam), 3, 3)))
+    C, g = np.empty((len(lam), 3)), np.empty((len(lam), 2))
+    _settle(
+        lam, np.stack([frame.tt, frame.nn, frame.tn]), law.vector, y, C, found.energy, found.stress, found.stiffness, g
+    )
+    along, free = np.einsum("nj,nj->n", frame.tt, found.stress), np.stack([frame.nn, frame.tn], axis=1)
     with np.errstate(all="ignore"):
         H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
         B = np.einsum("nij,njk,nk->ni", free, found.stiffness, frame.tt)
@@ -171,13 +126,90 @@ def held(law: Orthotropic, angle_deg: ArrayLike, first: Array, second: Array) ->
     return first * along, second * across, found.energy
 
 
-def _descent(H: Array, g: Array) -> Array:
-    """Return Newton steps (n, 2) of 2 x 2 Hessians, made positive definite where they are not."""
-    mean = 0.5 * (H[:, 0, 0] + H[:, 1, 1])
-    radius = np.hypot(0.5 * (H[:, 0, 0] - H[:, 1, 1]), H[:, 0, 1])
+@kernel
+def _settle(
+    lam: Array,
+    axes: Array,
+    constants: Array,
+    y: Array,
+    C: Array,
+    energy: Array,
+    stress: Array,
+    stiffness: Array,
+    g: Array,
+) -> None:
+    """Let strips at ``lam`` (n,) come to rest: ``y`` (n, 2), the strain across and in shear, by Newton's method.
+
+    ``axes`` (3, n, 3) are the frame's. The rest is where they end: the strain (n, 3) in the sheet's axes, what the law
+    answers, and what is left at the edges, ``g`` (n, 2).
+    """
+    room = make_room()
+    trial_y, trial_C, trial_g = np.empty(2), np.empty(3), np.empty(2)
+    trial_S, trial_K = np.empty(3), np.empty((3, 3))
+    for i in range(len(lam)):
+        frame = axes[:, i]
+        energy[i] = _at(lam[i], frame, constants, room, y[i], C[i], stress[i], stiffness[i], g[i])
+        for _ in range(_STEPS):
+            S, K = stress[i], stiffness[i]
+            scale = abs(frame[0, 0] * S[0] + frame[0, 1] * S[1] + frame[0, 2] * S[2]) + abs(K[0, 0]) * 1e-3
+            residual = max(abs(g[i, 0]), abs(g[i, 1]))
+            if residual <= _CLOSED * scale:
+                break
+            spent = residual <= _KEPT * scale
+            one, other = _descent(frame, K, g[i])
+            rounding = 1e-15 * np.abs(K).max()
+            # The energy falls along a Newton step that is short enough; the width stays positive.
+            length, fine = 1.0, False
+            for _ in range(_HALVINGS):
+                trial_y[0], trial_y[1] = y[i, 0] + length * one, y[i, 1] + length * other
+                if trial_y[0] > 0.0 and trial_y[0] * lam[i] ** 2 > trial_y[1] ** 2:
+                    there = _at(lam[i], frame, constants, room, trial_y, trial_C, trial_S, trial_K, trial_g)
+                    # Near the minimum, and at rest, the energy is flat to rounding: less stress at the edges counts.
+                    flat = abs(there - energy[i]) <= 1e-9 * abs(energy[i]) + rounding
+                    left = max(abs(trial_g[0]), abs(trial_g[1])) / residual
+                    fine = (there < energy[i] or (flat and left < 1.0)) and (left < 0.5 or not spent)
+                if fine or spent:
+                    break
+                length *= 0.5
+            if not fine:  # where no step helps, rounding has the last word
+                break
+            y[i], C[i], g[i] = trial_y, trial_C, trial_g
+            energy[i], stress[i], stiffness[i] = there, trial_S, trial_K
+
+
+@part
+def _at(
+    lam: float, frame: Array, constants: Array, room: Room, y: Array, C: Array, S: Array, K: Array, g: Array
+) -> float:
+    """Strain (3,), stress (3,), stiffness (3, 3) and what is left at the edges (2,) of a strip; its energy."""
+    for k in range(3):
+        C[k] = lam * lam * frame[0, k] + y[0] * frame[1, k] + y[1] * frame[2, k]
+    C[2] *= 0.5
+    energy = answer_at(C, constants, room, S, K)
+    for k in range(2):
+        g[k] = 0.5 * (frame[k + 1, 0] * S[0] + frame[k + 1, 1] * S[1] + frame[k + 1, 2] * S[2])
+    return energy
+
+
+@part
+def _descent(frame: Array, K: Array, g: Array) -> tuple[float, float]:
+    """Newton's step with a Hessian (2, 2) made positive definite where it is not."""
+    a, b, d = 0.0, 0.0, 0.0
+    for j in range(3):
+        for k in range(3):
+            a += 0.25 * frame[1, j] * K[j, k] * frame[1, k]
+            b += 0.25 * frame[1, j] * K[j, k] * frame[2, k]
+            d += 0.25 * frame[2, j] * K[j, k] * frame[2, k]
+    mean = 0.5 * (a + d)
+    radius = np.hypot(0.5 * (a - d), b)
     low = mean - radius
-    add = np.where(low < 1e-8 * (mean + radius), 1e-3 * (np.abs(mean) + radius) - low, 0.0)
-    return np.asarray(-solved(H + add[:, None, None] * np.eye(2), g))
+    if low < 1e-8 * (mean + radius):
+        add = 1e-3 * (abs(mean) + radius) - low
+        a, d = a + add, d + add
+    det = a * d - b * b
+    if det == 0.0:
+        return 0.0, 0.0
+    return -(g[0] * d - b * g[1]) / det, -(a * g[1] - g[0] * b) / det
 
 
 def solved(H: Array, b: Array) -> Array:
