@@ -60,6 +60,12 @@ class FabricDocument:
             return scaled(own, factor)
         return self.document.constants(direction, self.asked)
 
+    def follows(self, *temperatures: float) -> bool:
+        """Whether the constants differ between ``temperatures`` [degC]."""
+        ways = (None, *(self.document.directions or {}))
+        told = [[replace(self, asked=asked).constants(way) for way in ways] for asked in temperatures]
+        return any(one != told[0] for one in told)
+
     def material(self, direction: str | None = None) -> Material:
         """Return the law along ``direction`` at the temperature asked for, with the terms of ``elastic-law``."""
         softening = self._softening()

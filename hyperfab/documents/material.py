@@ -5,13 +5,18 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
 from hyperfab.documents.base import Document, Part, optional
 from hyperfab.errors import UsageError
 
 #: Constants are numbers: a number in quotes is a mistake of another program, not to be read over.
 Parameters = dict[str, Annotated[float, Field(strict=True)]]
+
+
+#: Covariances that others write have some seven digits.
+_ROUNDING = 1e-6
 
 
 class TestFigures(Part):
@@ -75,7 +80,14 @@ class ScatterPart(Part):
 
 
 class FitUncertainty(Part):
-    """How sure the constants are: covariance, and where it comes from."""
+    """How sure the constants are: covariance, and where it comes from.
+
+    >>> FitUncertainty(order=["C10_MPa"], covariance=[[-1.0]], specimens=3, degrees_of_freedom=2, source="specimens")
+    Traceback (most recent call last):
+    ...
+    pydantic_core._pydantic_core.ValidationError: 1 validation error for FitUncertainty
+      Value error, covariance has a negative variance ...
+    """
 
     order: list[str] = Field(description="names of the constants, in the order of the covariance")
     covariance: list[list[float]] | None = optional(
@@ -99,6 +111,32 @@ class FitUncertainty(Part):
         "where readings of one more specimen are to be expected, of each kind of test with replicates; "
         "where directions have constants of their own, it stands with them"
     )
+
+    @model_validator(mode="after")
+    def _covariances(self) -> FitUncertainty:
+        parts = [(f"parts.{k}.covariance", part.covariance) for k, part in enumerate(self.parts or ())]
+        for name, rows in [("covariance", self.covariance), *parts]:
+            fault = None if rows is None else _no_covariance(rows, len(self.order))
+            if fault is not None:
+                raise ValueError(f"{name} {fault}")
+        return self
+
+
+def _no_covariance(rows: list[list[float]], size: int) -> str | None:
+    """Return why ``rows`` are no covariance of ``size`` constants, None where they are one."""
+    if [len(row) for row in rows] != [size] * size:
+        return f"has not {size} rows of {size} numbers, as order has names"
+    found = np.array(rows).reshape(size, size)
+    variance = np.diag(found)
+    if (variance < 0.0).any():
+        return "has a negative variance on its diagonal"
+    sd = np.sqrt(np.where(variance > 0.0, variance, 1.0))
+    correlation = found / np.outer(sd, sd)
+    if not np.allclose(correlation, correlation.T, rtol=0.0, atol=_ROUNDING):
+        return "is not symmetric"
+    if size and np.linalg.eigvalsh(correlation)[0] < -_ROUNDING * size:
+        return "is none: some combination of the constants has a negative variance"
+    return None
 
 
 class FitFigures(Part):

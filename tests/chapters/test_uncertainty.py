@@ -25,7 +25,7 @@ from hyperfab.chapters.rerun import Listener, rerun
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
-from hyperfab.errors import NotConverged
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
 from hyperfab.samples import cup
@@ -66,6 +66,13 @@ def material(covariance: Any = None, freedom: float = 0, law: float | None = Non
         sure["law"] = law
     found["fit"] = {"E2": 0.0, "relative_rms": 0.0, "nrmse": 0.0, "points": 9, "uncertainty": sure}
     return json.dumps(found).encode()
+
+
+def at_temperatures(constants: dict[float, float]) -> bytes:
+    """Return a neo-Hookean material whose C10 [MPa] is known at some temperatures [degC], as sure as can be."""
+    rows = [{"temperature_degC": at, "parameters": {"C10_MPa": value}} for at, value in constants.items()]
+    found = {"format": "hyperfab.material/1", "model": "neo-hookean", "thickness_mm": 0.6, **rows[0]}
+    return json.dumps(found | ({"temperatures": rows} if len(rows) > 1 else {})).encode()
 
 
 def scaled(share: float) -> np.ndarray:
@@ -331,6 +338,74 @@ def test_constants_known_from_readings_alone_are_named_as_not_carried(made: Any)
     assert found["uncertainty"]["left_out"] == [
         "fabric.json: how specimens scatter is not known from these tests", "fabric.json: choice of the law",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("command", "known", "asked"),
+    [
+        (CONTACT, (23.0, 105.0), "200degC"),
+        (DRAPE, (23.0, 105.0), "200degC"),
+        (DRAPE, (23.0, 105.0), "0degC"),
+        (DRAPE, (23.0,), "23degC"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, tuple) and isinstance(value[0], str) else None,
+)
+def test_a_temperature_that_the_tests_do_not_tell_of_is_no_source(
+    made: Any, command: tuple[str, ...], known: tuple[float, ...], asked: str
+) -> None:
+    given = at_temperatures({at: 6.0 / (77.0 + at) for at in known})
+    reason = f"temperature_degC: fabric.json does not say what it does to the constants at {asked.replace('d', ' d')}"
+    alone = made((*command, "--temperature", f"{asked} +- 5K"), fabric_json=given)["uncertainty"]
+    assert alone["quantities"] == {}
+    assert alone["sources"] == []
+    assert alone["left_out"] == [reason]
+    beside = made((*command, "--temperature", f"{asked} +- 5K", "--thickness", "0.6mm +- 4 %"), fabric_json=given)
+    assert relative(beside, "force_N") == pytest.approx(0.04, rel=1e-6)
+    band = beside["uncertainty"]["quantities"]["force_N"]
+    assert list(band["sensitivities"]) == ["thickness_mm"]
+    assert [one["source"] for one in band["budget"]] == ["thickness_mm"]
+    assert reason in beside["uncertainty"]["left_out"]
+
+
+def test_a_temperature_between_tests_is_carried_to_the_last_of_them(made: Any) -> None:
+    given = at_temperatures({23.0: 0.06, 105.0: 0.03})
+    words = (*DRAPE, "--temperature", "64degC +- 5K", "--uncertainty", "linear")
+    found = made(words, fabric_json=given)
+    assert relative(found, "force_N") == pytest.approx(5.0 * 0.03 / 82.0 / 0.045, rel=1e-6)
+    at_the_end = made((*DRAPE, "--temperature", "105degC +- 5K"), fabric_json=given)
+    assert at_the_end["uncertainty"]["quantities"]["force_N"]["sd"] > 0.0
+    assert not any("temperature" in text for text in at_the_end["uncertainty"]["left_out"])
+
+
+_WRONG_COVARIANCES = {
+    "a variance below 0": (np.diag([1e-6, -1e-6, 1e-6]), "negative variance on its diagonal"),
+    "of two constants": (np.eye(2), "has not 3 rows of 3 numbers"),
+    "ragged": ([[1.0, 0.0, 0.0], [0.0, 1.0], [0.0, 0.0, 1.0]], "has not 3 rows of 3 numbers"),
+    "not symmetric": ([[1.0, 0.5, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], "not symmetric"),
+    "no three go together so": ([[1.0, -0.9, -0.9], [-0.9, 1.0, -0.9], [-0.9, -0.9, 1.0]], "some combination"),
+}
+
+
+@pytest.mark.parametrize(("covariance", "said"), _WRONG_COVARIANCES.values(), ids=_WRONG_COVARIANCES)
+def test_what_is_no_covariance_is_refused(made: Any, covariance: Any, said: str) -> None:
+    given = json.loads(material(np.eye(3)))
+    given["fit"]["uncertainty"]["covariance"] = [list(map(float, row)) for row in covariance]
+    with pytest.raises(InputError, match=said) as refused:
+        made(CONTACT, fabric_json=json.dumps(given).encode())
+    assert refused.value.key == "fit.uncertainty"
+
+
+@pytest.mark.parametrize("where", ["fit", "joint_uncertainty"])
+def test_an_uncertainty_of_what_is_no_constant_is_refused(made: Any, where: str) -> None:
+    given = json.loads(material(scaled(0.03)))
+    sure = given["fit"]["uncertainty"]
+    if where == "fit":
+        sure["order"][0] = "C01_MPa"
+    else:
+        given[where] = sure | {"order": ["parameters.C01_MPa", "parameters.C20_MPa", "parameters.C30_MPa"]}
+    with pytest.raises(InputError, match="which it does not have") as refused:
+        made(CONTACT, fabric_json=json.dumps(given).encode())
+    assert refused.value.key == "parameters.C01_MPa"
 
 
 def test_a_warm_up_without_losses_takes_as_long_as_the_power_is_small(made: Any) -> None:

@@ -13,6 +13,7 @@ from hyperfab.chapters.drape.model import Model, State, at_depths, model_of, rea
 from hyperfab.chapters.drape.result import document_of, judge, say, tears
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.carry import Sure, carry
+from hyperfab.chapters.uncertainty.of_fabric import origins_of_fabric
 from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
@@ -54,7 +55,10 @@ def run(job: Job, case: DrapeCase) -> int:
 
 def _origins(job: Job, case: DrapeCase) -> Origins:
     """Return what the inputs say of how sure they are."""
-    found = origins(job.inputs, case, {} if case.material is None else {case.material: case.temperature})
+    if case.material is None:
+        found = origins(job.inputs, case)
+    else:
+        found = origins_of_fabric(job.inputs, case, case.material, case.temperature)
     curves = [name for name in (case.warp, case.weft, case.shear_law) if name is not None]
     found.left_out += [f"{os.path.basename(name)}: how far specimens differ" for name in curves if found.found]
     return found

@@ -15,7 +15,8 @@ from hyperfab.chapters.fabric_contact.setup import Geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import read_fabric
 from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby, Slopes
-from hyperfab.chapters.uncertainty.sources import Origins, origins
+from hyperfab.chapters.uncertainty.of_fabric import origins_of_fabric
+from hyperfab.chapters.uncertainty.sources import Origins
 from hyperfab.documents.uncertainty import FIGURES
 from hyperfab.errors import NotConverged
 from hyperfab.membrane.equilibrium import NoEquilibriumError
@@ -32,7 +33,7 @@ _STEP = 0.02
 
 def origins_of(job: Job, case: ContactCase) -> Origins:
     """Return what the inputs of a contact say of how sure they are."""
-    found = origins(job.inputs, case, {case.material: case.temperature})
+    found = origins_of_fabric(job.inputs, case, case.material, case.temperature)
     if case.against is not None and found.found:
         found.left_out.append("the comparison with --against")
     return found

@@ -16,7 +16,7 @@ from hyperfab.chapters.field import HANDED
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import rerun
 from hyperfab.chapters.uncertainty.handed import described, identified
-from hyperfab.chapters.uncertainty.sources import Origins
+from hyperfab.chapters.uncertainty.sources import Origins, of_case
 from hyperfab.console import Advance
 from hyperfab.documents.base import Document
 from hyperfab.documents.uncertainty import Band, Share, Uncertainty, figures_of
@@ -126,6 +126,10 @@ def carry(
     if case.uncertainty == "none":
         return Sure()
     known = origins()
+    if not known.found and next(of_case(case), None) is not None:
+        untold = Uncertainty(level=LEVEL, method=case.uncertainty or "linear", quantities={}, left_out=known.left_out)
+        _tell(job, untold, {})
+        return Sure(untold)
     if not known.found:
         if case.uncertainty is not None:
             job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
@@ -377,4 +381,7 @@ def _tell(job: Job, found: Uncertainty, value: Figures) -> None:
         ]
         for name, band in found.quantities.items()
     ]
+    if not rows:
+        job.console.note(f"no figure has an uncertainty: {'; '.join(found.left_out) or 'none hangs on what is stated'}")
+        return
     job.console.table(f"How sure ({found.method})", ("figure", "± sd", "95 %", "made of"), rows)

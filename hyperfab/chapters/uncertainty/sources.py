@@ -20,6 +20,7 @@ from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.uncertainty.changed import CaseT, Changed, Kept
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
+from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import Toleranced, tolerance
@@ -297,7 +298,12 @@ def origins(
     state tolerances; each by the name of its file."""
     found = Origins(list(of_case(case)))
     for name, asked in materials.items():
-        of_material(read_as(inputs, name, MaterialDocument)[0], name, asked, found)
+        document, plain = read_as(inputs, name, MaterialDocument)
+        of_material(document, name, asked, found)
+        own = [place for number in found.numbers if number.file == name for place in _places(number)]
+        for place in (place for place in own if not _there(plain, place)):
+            key, text = ".".join(map(str, place)), "its uncertainty names this constant, which it does not have"
+            raise InputError(text, file=name, key=key, remedy="name its own in order")
     for name, cls in documents.items():
         found.found += of_document(*read_as(inputs, name, cls), name)
     return found
@@ -379,6 +385,11 @@ def inside(data: Any, place: Place) -> Any:
     for step in place:
         data = data[step]
     return data
+
+
+def _places(number: Number) -> tuple[Place, ...]:
+    """Return where a number stands in the document of a material."""
+    return number.places if isinstance(number, Along) else (number.place,) if isinstance(number, Entry) else ()
 
 
 def _there(data: Any, place: Place) -> bool:
