@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import wraps
+from typing import ParamSpec
 
 import numpy as np
 
@@ -19,6 +21,15 @@ from hyperfab.io.dictionary import Meaning, fold, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
+
+#: What is done to the file where no option of the command says how it is to be read.
+_IN_THE_FILE = {
+    "columns": "correct the heads of its columns",
+    "skip-rows": "part the file",
+    "decimal": "write one number with four decimals, as 1.2500",
+}
+_P = ParamSpec("_P")
+_OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
 
 
 @dataclass(frozen=True)
@@ -48,6 +59,28 @@ class Table:
             raise InputError(said, file=self.name, line=int(self.lines[row]), column=column, remedy=remedy)
 
 
+def _in_the_file(read: Callable[_P, Table]) -> Callable[_P, Table]:
+    """Let errors show a way out in the file where no ``layout`` is given: of a table that a document names, no option
+    says how it is to be read."""
+
+    @wraps(read)
+    def without_options(*given: _P.args, **named: _P.kwargs) -> Table:
+        try:
+            return read(*given, **named)
+        except InputError as error:
+            option = _OPTION.search(error.remedy or "")
+            if named.get("layout") is not None or error.remedy is None or option is None:
+                raise
+            words, otherwise, _ = error.remedy[: option.start()].partition(", or say ")
+            remedy = words if otherwise else _IN_THE_FILE[option[1]]
+            raise InputError(
+                error.message, file=error.file, line=error.line, column=error.column, remedy=remedy
+            ) from None
+
+    return without_options
+
+
+@_in_the_file
 def read_table(
     data: bytes,
     name: str,

@@ -250,7 +250,7 @@ def test_clocks_of_two_parts_in_letters_and_with_zones(head, moments) -> None:
 def test_what_counts_up_in_two_parts_is_hours_or_minutes_by_its_unit() -> None:
     log = b"Time;cup [degC]\n00:00;20\n00:30;21\n01:30;22\n"
     with pytest.raises(InputError, match="01:30: hours and minutes, or minutes and seconds") as caught:
-        read_table(log, "log.csv", {"time": "time"}, rest="temperature")
+        read_table(log, "log.csv", {"time": "time"}, rest="temperature", layout=PLAIN)
     assert '"Time=time [min]" for minutes' in str(caught.value)
     for unit, apart in (("min", [0.0, 30.0, 90.0]), ("h", [0.0, 1800.0, 5400.0])):
         told = layout([f"Time=time [{unit}]"])
@@ -285,7 +285,7 @@ def test_a_message_proposes_no_column_that_is_known_to_be_something_else() -> No
 
 def test_columns_without_units_are_told_at_once() -> None:
     with pytest.raises(InputError, match="X0, Y0 have no unit") as caught:
-        read_table(b"X0,Y0\n1,2\n", "a.csv", {"x0": "length", "y0": "length"})
+        read_table(b"X0,Y0\n1,2\n", "a.csv", {"x0": "length", "y0": "length"}, layout=PLAIN)
     assert '"X0=x0 [mm],Y0=y0 [mm]"' in str(caught.value)
 
 
@@ -297,6 +297,7 @@ def test_a_probe_with_a_letter_for_its_unit_is_asked_for_in_degrees() -> None:
             {"time": "time"},
             rest="temperature",
             called=["centre", "edge"],
+            layout=PLAIN,
         )
     assert '"centre_c=centre [degC],edge_c=edge [degC]"' in str(caught.value)
 
@@ -319,3 +320,27 @@ def test_degrees_stand_before_the_name_of_a_probe_and_an_open_sensor_is_a_gap() 
 def test_a_cloud_of_points_is_told_as_that() -> None:
     with pytest.raises(InputError, match="is a cloud of points"):
         read_table(b"ply\nformat ascii 1.0\nend_header\n1 2 3\n", "a.ply", {"x": "length"})
+
+
+#: Tables that cannot be read as they are, and what is to be done to the file.
+_AS_THEY_ARE = {
+    "no head": (b"20,8\n100,9\n", 'name the columns, as in "temperature [degC],h [W/m^2/K]"'),
+    "no units": (b"temperature,h\n20,8\n100,9\n", 'write it behind the name, as in "temperature [degC]"'),
+    "another unit": (b"temperature [degC],h [W/m/K]\n20,8\n100,9\n", "correct the heads of its columns"),
+    "two of a kind": (b"temperature [degC],h [W/m^2/K],h [W/m^2/K]\n20,8,9\n", "correct the heads of its columns"),
+    "decimals": (b"temperature [degC];h [W/m^2/K]\n20;1,250\n90;2,250\n", "one number with four decimals, as 1.2500"),
+}
+
+
+@pytest.mark.parametrize(("data", "said"), _AS_THEY_ARE.values(), ids=_AS_THEY_ARE)
+def test_a_table_that_a_document_names_is_told_no_option(data: bytes, said: str) -> None:
+    """``hf mold-heat`` has no --columns and no --decimal: who pasted them was told that there is no such option."""
+    with pytest.raises(InputError) as found:
+        read_table(data, "film.csv", FILM)
+    assert str(found.value).endswith(said)
+    assert "--" not in str(found.value)
+    with pytest.raises(InputError, match=r"--(columns|decimal) "):
+        read_table(data, "film.csv", FILM, layout=PLAIN)
+    head = data.replace(b"1,250", b"1,2500")
+    if head != data:  # and what it says helps
+        assert read_table(head, "film.csv", FILM)["h"].tolist() == [1.25, 2.25]

@@ -12,7 +12,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import shape
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.csv_tests import read_tests
-from hyperfab.io.layout import layout
+from hyperfab.io.layout import PLAIN, layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import dotted
 from hyperfab.io.tables import is_units
@@ -154,7 +154,7 @@ def test_of_a_table_without_a_head_the_column_that_is_one_where_nothing_pulls_is
 def test_of_a_log_without_a_head_time_and_probes_are_asked_for() -> None:
     log = b"24.0 24.9 0.0\n30.2 24.9 127.0\n31.0 25.1 127.0\n"
     with pytest.raises(InputError, match="there is no header") as caught:
-        read_table(log, "run.txt", {"time": "time"}, rest="temperature", called=["nozzle"])
+        read_table(log, "run.txt", {"time": "time"}, rest="temperature", called=["nozzle"], layout=PLAIN)
     assert '--columns "1=time [s],2=nozzle [degC]"' in str(caught.value)
 
 
