@@ -12,7 +12,7 @@ from hyperfab.documents.base import document_class, parse_document, stated_kind
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import load_json
 from hyperfab.io.output import write_stdout
-from hyperfab.report.bands import banded, constant, evenness, made_of, warmup
+from hyperfab.report.bands import banded, constant, evenness, greatest_stretch, made_of, warmup
 
 Plain = Mapping[str, Any]
 
@@ -106,12 +106,11 @@ def _contact(data: Plain) -> Iterator[str]:
 def _drape(data: Plain) -> Iterator[str]:
     state = "equilibrium" if data["converged"] else "no equilibrium"
     edges = f" and {data['contact_edges']} springs on its edges" if data.get("contact_edges") else ""
-    along = max(("warp", "weft"), key=lambda way: data[way]["stretch_max"])
-    most = data[along]["stretch_max"]
+    most, along = greatest_stretch(data)
     at = (data.get("stretch_max_at_mm") or {}).get("flat")
     where = f" at ({at[0]:.0f}, {at[1]:.0f}) mm of the flat sheet" if at else ""
     slack = "slack springs" if data.get("sheet", "net") == "net" else "cells wrinkled or slack"
-    yield f"stretched to {most:.3f} at most, along {along}{where}"
+    yield f"stretched to {most:.3f} at most{along}{where}"
     yield (
         f"{state}: {data['contact_nodes']} nodes on the mold{edges}, press force {banded(data, 'force_N', 'N')}, "
         f"thinnest {banded(data, 'thickness_min_mm', 'mm', form='.3f')}, {data['slack_springs']} {slack}"

@@ -136,6 +136,19 @@ def evenness(data: Mapping[str, Any], spread: float | None = None) -> str:
     return f"{text} (95 %: {low} to {high})"
 
 
+def greatest_stretch(data: Mapping[str, Any]) -> tuple[float, str]:
+    """Return the greatest stretch of a draped sheet, and the threads it is along: of a membrane none, a principal
+    stretch lies along neither.
+
+    >>> ways = {"warp": {"stretch_max": 1.2}, "weft": {"stretch_max": 1.1}}
+    >>> greatest_stretch(ways), greatest_stretch({"sheet": "membrane", "stretch_max": 1.25, **ways})
+    ((1.2, ', along warp'), (1.25, ''))
+    """
+    way = max(("warp", "weft"), key=lambda way: data[way]["stretch_max"])
+    most = data.get("stretch_max") or data[way]["stretch_max"]
+    return float(most), f", along {way}" if data.get("sheet", "net") == "net" else ""
+
+
 def made_of(data: Mapping[str, Any]) -> Iterator[str]:
     """Yield lines on what the uncertainty of the headline figures is made of, one for all that are made alike; none
     where the document has no uncertainty."""

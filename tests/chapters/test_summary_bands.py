@@ -44,3 +44,30 @@ def test_the_gap_is_told_with_its_band() -> None:
     known = {"gap_min_mm": {"sd": 0.021, "budget": []}}
     press = PRESS | {"uncertainty": {"method": "linear", "quantities": known}}
     assert "gap at 200 degC 0.612 ± 0.021 mm to 4.00 mm, mean 2.50 mm" in paragraph(press)
+
+
+DRAPE = {
+    "format": "hyperfab.drape/1",
+    "converged": True,
+    "sheet": "membrane",
+    "contact_nodes": 33,
+    "force_N": 1.255,
+    "thickness_min_mm": 0.425,
+    "slack_springs": 0,
+    "stress_warp_max_MPa": 0.0484,
+    "stress_weft_max_MPa": 0.0416,
+    "residual_relative": 3e-8,
+    "penetration_max_mm": 0.26,
+    "stretch_max": 1.0887,
+    "stretch_max_at_mm": {"flat": [25.7, -3.7], "draped": [27.0, -3.8, 34.5]},
+    "warp": {"stretch_max": 1.0865},
+    "weft": {"stretch_max": 1.0864},
+}
+
+
+def test_the_greatest_stretch_of_a_membrane_is_the_documents_own_and_along_no_thread() -> None:
+    assert paragraph(DRAPE)[0] == "stretched to 1.089 at most at (26, -4) mm of the flat sheet"
+    net = DRAPE | {"sheet": "net", "stretch_max": 1.0865}
+    assert paragraph(net)[0] == "stretched to 1.087 at most, along warp at (26, -4) mm of the flat sheet"
+    older = {key: value for key, value in net.items() if key not in ("sheet", "stretch_max", "stretch_max_at_mm")}
+    assert paragraph(older)[0] == "stretched to 1.087 at most, along warp"

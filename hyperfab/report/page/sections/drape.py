@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hyperfab.report.bands import banded
+from hyperfab.report.bands import banded, greatest_stretch
 from hyperfab.report.page.charts import chart, line
 from hyperfab.report.page.parts import (
     Cell,
@@ -38,6 +38,7 @@ _FIELDS = (
 def section(source: Source) -> Section:
     """Return the section of a drape document."""
     data = source.data
+    stretch, along = greatest_stretch(data)
     found = Section("", *_verdict(data))
     found.parts += views(
         source, "The draped fabric.", "The net of the fabric over the mold, coloured by a field.", _FIELDS
@@ -46,7 +47,7 @@ def section(source: Source) -> Section:
         facts(
             "Figures of the draped fabric",
             [
-                ("greatest stretch", number(_stretch(data))),
+                ("greatest stretch", number(stretch)),
                 ("there, on the flat sheet", _place(data, "flat")),
                 ("there, draped", _place(data, "draped")),
                 ("force of the press", number(data["force_N"], "N")),
@@ -61,9 +62,9 @@ def section(source: Source) -> Section:
             ],
         )
     )
-    most = number(100.0 * (_stretch(data) - 1.0), "%", 2).text
+    most = number(100.0 * (stretch - 1.0), "%", 2).text
     found.figures = [
-        Figure(most, f"greatest stretch, along {_way(data)}"),
+        Figure(most, f"greatest stretch{along}"),
         Figure(banded(data, "thickness_min_mm", "mm", form=".2g"), "thinnest place of the fabric"),
     ]
     if data["converged"]:
@@ -94,14 +95,6 @@ def section(source: Source) -> Section:
         )
     )
     return found
-
-
-def _stretch(data: Any) -> float:
-    return float(data.get("stretch_max") or max(data["warp"]["stretch_max"], data["weft"]["stretch_max"]))
-
-
-def _way(data: Any) -> str:
-    return "warp" if data["warp"]["stretch_max"] >= data["weft"]["stretch_max"] else "weft"
 
 
 def _place(data: Any, which: str) -> Cell | None:
@@ -150,10 +143,11 @@ def _pieces(data: Any) -> str:
 def _verdict(data: Any) -> tuple[bool | None, str]:
     if not data["converged"]:
         return False, f"No equilibrium: {data.get('status', 'not converged')}."
+    stretch, along = greatest_stretch(data)
     slack, edges = data["slack_springs"], data.get("contact_edges")
     on_edges = f" and {number(edges).text} springs run over its edges" if edges else ""
     return True, (
-        f"In equilibrium on the mold: stretched to {number(_stretch(data), '', 4).text} at most, along {_way(data)}; "
+        f"In equilibrium on the mold: stretched to {number(stretch, '', 4).text} at most{along}; "
         f"{number(data['contact_nodes']).text} nodes touch{on_edges}, "
         f"{'none of its ' if slack == 0 else f'{slack} '}{_pieces(data)} are slack, "
         f"thinnest place {number(data['thickness_min_mm'], 'mm', 3).text}."
