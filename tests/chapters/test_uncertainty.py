@@ -480,6 +480,21 @@ def test_a_press_goes_with_a_share_of_its_foam(made: Any, written: str) -> None:
     assert [each["share"] for each in band["budget"]] == [pytest.approx(1.0)]
 
 
+def test_constants_of_a_foam_that_nothing_is_told_of_are_named_as_not_carried(made: Any) -> None:
+    law = {
+        "format": "hyperfab.material/1",
+        "model": "hyperfoam-1",
+        "parameters": {"mu1_MPa": 0.02, "alpha1": 8.0, "nu1": 0.1},
+    }
+    written = law | {"fit": {"E2": 0.0, "relative_rms": 0.01, "nrmse": 0.01, "points": 9}}
+    foam = FOAM.replace('{ law = "linear", modulus = "0.05 MPa" }', '{ material = "foam.json" }').encode()
+    for document, left_out in ((written, ["foam.json: how sure its constants are is not told"]), (law, [])):
+        words = (*PRESS[:-1], "2", "--gap", "3mm +- 0.1mm")
+        found = made(words, foam_toml=foam, foam_json=json.dumps(document).encode())
+        assert found["uncertainty"]["left_out"] == left_out
+        assert found["uncertainty"]["quantities"]["force_N"]["sd"] > 0.0
+
+
 def test_a_mold_goes_with_its_emissivity(made: Any) -> None:
     """Hot and insulated but for its radiation: heat lost is proportional to the emissivity, as it cools by little."""
     mold = INSULATED.replace('start = "25 degC"', 'start = "200 degC"').replace("3000 W", "0 W")

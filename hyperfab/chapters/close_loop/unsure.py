@@ -12,7 +12,8 @@ from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.softening import widths
 from hyperfab.chapters.fabric import ORTHOTROPIC
-from hyperfab.chapters.uncertainty.sources import Entry, Origin, Place, inside, of_document, read_as, together
+from hyperfab.chapters.uncertainty.changed import Place, inside
+from hyperfab.chapters.uncertainty.sources import Entry, Origin, of_document, read_as, together
 from hyperfab.documents.foam import FoamDocument, in_full
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.units import quantity

@@ -16,6 +16,8 @@ from hyperfab.io.toml_io import dump_toml
 
 CaseT = TypeVar("CaseT", bound=Case)
 Parsed = TypeVar("Parsed")
+#: Where something stands in a document: keys, and numbers in lists.
+Place = tuple[str | int, ...]
 
 
 @dataclass
@@ -90,3 +92,19 @@ class _Moved(Inputs):
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
         return self._written[name] if name in self._written else self._inputs.read(name, limit)
+
+
+def inside(data: Any, place: Place) -> Any:
+    """Return what stands at a place of plain data."""
+    for step in place:
+        data = data[step]
+    return data
+
+
+def there(data: Any, place: Place) -> bool:
+    """Whether anything does."""
+    try:
+        inside(data, place)
+    except (KeyError, IndexError, TypeError):
+        return False
+    return True

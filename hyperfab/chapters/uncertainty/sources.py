@@ -17,7 +17,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.place import get, put
 from hyperfab.chapters.fabric import ORTHOTROPIC
-from hyperfab.chapters.uncertainty.changed import CaseT, Changed, Kept
+from hyperfab.chapters.uncertainty.changed import CaseT, Changed, Kept, Place, inside, there
 from hyperfab.documents.base import Document, parse_document
 from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
 from hyperfab.errors import InputError
@@ -28,8 +28,6 @@ from hyperfab.materials.law import scaled
 from hyperfab.materials.orthotropic.energy import WALLS
 from hyperfab.numerics.propagation import Source
 from hyperfab.thermal.tables import Table
-
-Place = tuple[str | int, ...]
 
 #: Quantities of one document that are one thing where they are stated alike: the room's temperature.
 _SHARED = ("ambient", "start")
@@ -222,9 +220,9 @@ def of_document(document: Document, plain: Any, file: str) -> Iterator[Origin]:
     alike: dict[Any, tuple[float, list[Entry]]] = {}
     for place, value in _stated(document):
         unit = re.split(r" \+- ", str(inside(written, place)))[0].partition(" ")[2]
-        if _there(plain, place[:-1]) and isinstance(inside(plain, place[:-1]), str):  # the short form of a section
+        if there(plain, place[:-1]) and isinstance(inside(plain, place[:-1]), str):  # the short form of a section
             place = place[:-1]
-        if not _there(plain, place):
+        if not there(plain, place):
             continue
         entry = Entry(file, place, float(value), unit)
         key = (float(value), value.sd) if place[-1] in _SHARED else place
@@ -252,6 +250,7 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
             places.append((*start, *place, "parameters"))
             told = told or own
             if own is None:
+                unknown += [f"{base}: how sure its constants are is not told"] if document.fit is not None else []
                 continue
             if own.source != "specimens":
                 unknown.append(f"{base}: how specimens{of}{at} scatter is not known from these tests")
@@ -269,7 +268,7 @@ def of_material(document: MaterialDocument, file: str, asked: float | None, orig
         if document.joint_uncertainty.source != "specimens":
             origins.left_out.append(f"{base}: how specimens scatter is not known from these tests")
         return
-    origins.left_out += unknown
+    origins.left_out += dict.fromkeys(unknown)
     if not known:
         origins.left_out += [f"{base}: choice of the law"] if laws else []
         return
@@ -301,7 +300,7 @@ def origins(
         document, plain = read_as(inputs, name, MaterialDocument)
         of_material(document, name, asked, found)
         own = [place for number in found.numbers if number.file == name for place in _places(number)]
-        for place in (place for place in own if not _there(plain, place)):
+        for place in (place for place in own if not there(plain, place)):
             key, text = ".".join(map(str, place)), "its uncertainty names this constant, which it does not have"
             raise InputError(text, file=name, key=key, remedy="name its own in order")
     for name, cls in documents.items():
@@ -381,20 +380,6 @@ def _stated(value: Any, place: Place = ()) -> Iterator[tuple[Place, Toleranced]]
             yield from _stated(one, (*place, index))
 
 
-def inside(data: Any, place: Place) -> Any:
-    for step in place:
-        data = data[step]
-    return data
-
-
 def _places(number: Number) -> tuple[Place, ...]:
     """Return where a number stands in the document of a material."""
     return number.places if isinstance(number, Along) else (number.place,) if isinstance(number, Entry) else ()
-
-
-def _there(data: Any, place: Place) -> bool:
-    try:
-        inside(data, place)
-    except (KeyError, IndexError, TypeError):
-        return False
-    return True
