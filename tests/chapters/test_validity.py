@@ -98,6 +98,17 @@ def test_a_fabric_of_one_temperature_or_none_is_computed_at_another_and_that_is_
         assert entry.get("known") == (None if known is None else [known, known])
 
 
+def test_one_set_of_constants_for_tests_at_several_temperatures_is_told_as_that_of_its_own(hf: Run, shop: Path) -> None:
+    """``hf close-loop`` writes such: there are no constants of 80 degC that could be taken."""
+    tests = {"uniaxial": {"stretch": [1.0, 1.8], "temperature_degC": [23.0, 80.0]}}
+    own = {"temperatures": None, "tested": tests, "temperature_degC": 23.0}
+    (shop / "fabric.json").write_text(json.dumps({k: v for k, v in document(**own).items() if v is not None}))
+    done = hf(*DRAPE, "--temperature", "190degC", cwd=shop)
+    assert "fabric.json: 23 to 80 degC; the constants of 23 degC are taken" in done.stderr.decode()
+    assert json.loads(done.stdout)["constants_degC"] == 23.0
+    assert "constants_degC" not in json.loads(hf(*DRAPE, "--temperature", "60degC", cwd=shop).stdout)
+
+
 @pytest.mark.parametrize("command", [CONTACT, DRAPE], ids=lambda words: words[0])
 @pytest.mark.parametrize("tested", [None, 1.01, 1.8])
 def test_a_stretch_beyond_the_tests_is_told_and_refused_by_strict(
