@@ -16,7 +16,7 @@ from hyperfab.loop.belief import Belief, allowed, coincidence, surprise
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.judge import Candidate, common_bic
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.problem import Form, Problem
+from hyperfab.loop.problem import Effect, Form, Problem
 from hyperfab.loop.score import projected
 from hyperfab.loop.search import Search
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE, UNLIKELY
@@ -102,10 +102,8 @@ def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, C
     for effect, _ in search.ranking(without):
         if effect.id == name:
             continue
-        # Where much is known of the own constants BIC tells whether a law with more constants pays for them by
-        # bringing these home, and whatever a little of it looks like.
-        free = search.with_term(without, effect) if search.problem.well_known else None
-        gap = np.inf if free is None else _gap(search, best, search.state(free))
+        free = _paying(search, best, without, effect)
+        gap = _gap(search, best, free)
         if alike[effect.id] < SHARE * alike.get(name, 1.0) and gap >= MARGIN:
             continue
         # Else a rival with more constants than the found law would pass for nearly anything.
@@ -114,8 +112,24 @@ def _tried_instead_of(search: Search, best: Candidate, name: str) -> dict[str, C
             state = search.state(fitted)
             found[effect.id] = search.enriched(state) if best.fit.forms[name].free else state
         if free is not None and gap < min(MARGIN, _gap(search, best, found.get(effect.id))):
-            found[effect.id] = search.state(free)
+            found[effect.id] = free
     return found
+
+
+def _paying(search: Search, best: Candidate, without: Candidate, effect: Effect) -> Candidate | None:
+    """Return the model with an entry in a form of any number of constants that these pay for; None if none is.
+
+    Where much is known of the own constants BIC tells whether they pay by bringing these home, and whatever a little of
+    it looks like. Else those are taken that were fitted on the way, and explain the data the better by BIC.
+    """
+    if search.problem.well_known:
+        fitted = search.with_term(without, effect)
+        return None if fitted is None else search.state(fitted)
+    if search.problem.describes:
+        return None
+    names = {*without.ids, effect.id}
+    better = [state for state in search.states if {*state.ids} == names and _gap(search, best, state) < 0.0]
+    return min(better, key=lambda state: _gap(search, best, state), default=None)
 
 
 def does_the_same(search: Search, best: Candidate, state: Candidate, imprint: Callable[[], float]) -> bool:

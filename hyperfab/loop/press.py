@@ -94,8 +94,8 @@ class PressProblem(FilesProblem[Reading]):
             moved = replace(table.moved(mechanical), foam=table.foam * factor, law=law)
             tables.append(moved if across is None else replace(moved, fabric_law=across))
         shift = float(np.dot(self.setting.zero_rate, changes.strain))
-        compliance = self.setting.compliance + changes.compliance
-        return Moved(tables[0], tables[1], value["foam.compression"], compliance, shift, np.zeros(2))
+        frame = replace(changes.frame, compliance=self.setting.compliance + changes.frame.compliance)
+        return Moved(tables[0], tables[1], value["foam.compression"], frame, shift, np.zeros(2))
 
     def _set(self, now: Moved, value: Mapping[str, float]) -> SetPress:
         return SetPress(now, self.setting, value, self._sum, self._arm if self.setting.floating else None)
@@ -122,6 +122,14 @@ class PressProblem(FilesProblem[Reading]):
     @property
     def _given(self) -> dict[str, float]:
         return {one.name: one.value for one in self.own}
+
+    def force_at(self, own: Array, terms: Mapping[str, tuple[str, Array]], time_s: float) -> float:
+        """Return the force [N] that the press closes with, with ``terms``, a time after the foam was first pressed."""
+        value = dict(zip((one.name for one in self.own), own, strict=True))
+        changes, late = self.changes(terms), Reading("", "force", np.zeros(1), time_s=np.array([time_s]))
+        left, thick = (float(np.max(share(late))) for share in (changes.factor, changes.thickness))
+        press = self._set(self._moved(value, changes, thick=thick).relaxed(left), value)
+        return float(press.force_at(np.array([press.opening]))[0])
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be read next."""

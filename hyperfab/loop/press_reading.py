@@ -171,6 +171,31 @@ class Setting:
     cold: Warmth | None = None
 
 
+@dataclass(frozen=True)
+class Frame:
+    """How far [mm] a frame opens under the force [N]: its ``compliance`` [mm/N], and ``play`` [mm] beside it that is
+    taken up as the force passes ``taken_up`` [N].
+
+    >>> [round(float(Frame(0.001, 0.2, 10.0).opens(force)), 3) for force in (0.0, 10.0, 100.0)]
+    [0.0, 0.136, 0.3]
+    """
+
+    compliance: float = 0.0
+    play: float = 0.0
+    taken_up: float = 1.0
+
+    @property
+    def rigid(self) -> bool:
+        """Whether it opens under no force."""
+        return self.compliance == 0.0 and self.play == 0.0
+
+    def opens(self, force: Array | float) -> Array | float:
+        """Return how far [mm] it opens."""
+        if self.play == 0.0:
+            return self.compliance * force
+        return self.compliance * force - self.play * np.expm1(-np.maximum(force, 0.0) / self.taken_up)
+
+
 @dataclass
 class Changes:
     """What terms change of a press, each adding its own to what the model has.
@@ -179,7 +204,7 @@ class Changes:
     strain      (2,) of male and female
     lost        each tells the share of the foam's thickness that is lost when a reading is taken: one, or one a row
     uneven      relative thickness over the plan: coefficients by their terms, as ``xxy``
-    compliance  [mm/N] of the frame
+    frame       how far the frame opens, beyond what it does in the model
     across      how both fabrics give way across, None where they are rigid
     stays       share of the foam's strain that stays, and what it has more at a strain of 1, (2,)
     left        each tells the share of the foam's pressure that is left when a reading is taken: one, or one a row
@@ -190,7 +215,7 @@ class Changes:
     strain: Array = field(default_factory=lambda: np.zeros(2))
     lost: list[Callable[[Reading], Array | float]] = field(default_factory=list)
     uneven: dict[str, float] = field(default_factory=dict)
-    compliance: float = 0.0
+    frame: Frame = Frame()
     across: FoamLaw | None = None
     stays: Array = field(default_factory=lambda: np.zeros(2))
     left: list[Callable[[Reading], Array | float]] = field(default_factory=list)
@@ -207,7 +232,6 @@ class Changes:
             offset=at("offset_x_mm", "offset_y_mm"),
             strain=at("strain_male", "strain_female"),
             uneven={name.removeprefix("uneven."): v for name, v in amounts.items() if name.startswith("uneven.")},
-            compliance=1e-3 * amounts.get("compliance_mm_kN", 0.0),
             stays=at("stays", "stays_more"),
         )
 

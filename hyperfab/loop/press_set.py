@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
 from hyperfab.arrays import Array
 from hyperfab.loop.press_reading import Changes, Reading, Setting
@@ -17,6 +18,8 @@ from hyperfab.loop.press_table import Moved, found_tilt
 _GRID = 60
 #: How far [mm] before the first touch these begin.
 _BEFORE = 0.2
+#: How near [mm] the opening of a yielding press is found.
+_NEARLY = 1e-9
 
 
 @dataclass(frozen=True)
@@ -63,7 +66,7 @@ class SetPress:
             exact = factor * force * float(self.summed.exactness(np.array(force / now.left)))
             if self._wanted is not None:
                 return exact - self._wanted
-            return opening - self._shut(now) - now.compliance * exact
+            return opening - self._shut(now) - float(now.frame.opens(exact))
 
         turn = found_tilt(now.table, self.arm, self._opening(now), unbalanced)
         settings = Changes(tilt=turn).settings
@@ -104,19 +107,29 @@ class SetPress:
             guess = float(np.interp(-wanted, -forces[order], table.openings[order]))
             return _solved(lambda s: factor * self.summed.force(now, s) - wanted, guess)
         start = self._shut(now)
-        if now.compliance == 0.0:
+        if now.frame.rigid:
             return start
-        guess = start
-        for _ in range(3):
-            guess = start + now.compliance * factor * float(self.summed.force(now, np.array([guess]))[0])
-        return _solved(lambda s: now.compliance * factor * self.summed.force(now, s) - (s - start), guess)
+
+        def unopened(opening: float) -> float:
+            return float(now.frame.opens(self.force_at(np.array([opening]), now)[0])) - (opening - start)
+
+        # It opens by no more than the force on a rigid frame would open it, where that falls as it opens.
+        end = start
+        while (further := unopened(end)) > _NEARLY:
+            end += further
+        return float(brentq(unopened, start, end, xtol=_NEARLY)) if further < 0.0 else end
+
+    def force_at(self, openings: Array, now: Moved | None = None) -> Array:
+        """Return the force (m,) [N] at ``openings`` (m,), of the press that hangs or one that is to be turned."""
+        now = self.hangs if now is None else now
+        return np.asarray(now.factor * self.summed.force(now, openings))
 
     @cached_property
     def _yielding(self) -> PchipInterpolator:
         """The opening by the stroke that the machine reads from the first touch on, where the frame yields."""
         now, touch = self.hangs, self.hangs.table.first_touch
         grid = np.linspace(touch + _BEFORE, now.table.openings[0], _GRID)
-        machine = touch - grid + now.compliance * now.factor * self.summed.force(now, grid)
+        machine = touch - grid + now.frame.opens(self.force_at(grid))
         return PchipInterpolator(machine, grid, extrapolate=True)
 
     def _force(self, left: Array | float, reading: Reading) -> Array:
@@ -124,7 +137,7 @@ class SetPress:
         now, stroke = self.hangs, reading.stroke - self.value.get("stroke.zero", 0.0)
         touch = now.table.first_touch
         # What is not touched anywhere in the table bears nothing, and no frame yields.
-        rigid = now.compliance == 0.0 or touch + _BEFORE <= now.table.openings[0]
+        rigid = now.frame.rigid or touch + _BEFORE <= now.table.openings[0]
         opening = touch - stroke if rigid else self._yielding(stroke)
         return np.asarray(now.factor * left * self.summed.force(now, opening))
 

@@ -12,6 +12,7 @@ from math import isqrt
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.loop.press_reading import Frame
 from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.gap import vertex_areas
@@ -128,7 +129,7 @@ class Moved:
     table: PressTable
     places: PressTable
     factor: float
-    compliance: float
+    frame: Frame
     shift: float
     turn: Array
     left: float = 1.0

@@ -24,6 +24,7 @@ from hyperfab.io.units import quantity
 from hyperfab.loop.catalogue.press import softened
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
+from hyperfab.loop.press_reading import Frame
 
 #: Where the new sandwich is written.
 FOAM = ".model.foam.toml"
@@ -41,6 +42,7 @@ class _Draft:
 
     case, foam  what the found terms are written into: the command's words, and foam.toml as people wrote it
     told        the press as it was given, and ``problem`` what was fitted to its readings
+    force       [N] that the extended press closes with, at the end of the longest hold
     stem        of the names of ``files`` that foam.toml reads, by suffix
     notes       what neither has a key for
     """
@@ -49,6 +51,7 @@ class _Draft:
     foam: dict[str, Any]
     told: PressResult
     problem: PressProblem
+    force: float
     stem: str
     files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
@@ -60,8 +63,9 @@ def extend(
     """Return the case of the extended press, and the files it reads."""
     foam = in_full(copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam))))
     relocate(foam, (os.path.dirname(case.foam), str(out.path("").parent)))
-    draft = _Draft(case, foam, told, problem, out.path("").name)
     fit = found.after.fit
+    force = problem.force_at(fit.x[: len(problem.own)], fit.terms, _longest(problem))
+    draft = _Draft(case, foam, told, problem, force, out.path("").name)
     own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
     foam["thickness"] = f"{quantity(foam['thickness'], 'length') * own['foam.thickness']!r} mm"
     if case.gap is not None:
@@ -115,14 +119,16 @@ def _shrink(draft: _Draft, at: Mapping[str, float]) -> None:
         dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
         lost /= -float(np.expm1(-dwell / time))
     if slow is not None:
-        closed = section.get("dwell") or draft.foam.get("relaxation", {}).get("dwell") or f"{_longest(draft)!r} s"
+        closed = (
+            section.get("dwell") or draft.foam.get("relaxation", {}).get("dwell") or f"{_longest(draft.problem)!r} s"
+        )
         section |= {"time": f"{slow!r} s", "dwell": closed}
     draft.foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
 
 
-def _longest(draft: _Draft) -> float:
+def _longest(problem: PressProblem) -> float:
     """Return the longest time [s] that was read, a minute where none was."""
-    return max((float(np.max(one.time_s)) for one in draft.problem.files if one.time_s is not None), default=60.0)
+    return max((float(np.max(one.time_s)) for one in problem.files if one.time_s is not None), default=60.0)
 
 
 def _vary(draft: _Draft, at: Mapping[str, float]) -> None:
@@ -187,8 +193,17 @@ def _set(draft: _Draft, at: Mapping[str, float]) -> None:
 
 def _yield(draft: _Draft, at: Mapping[str, float]) -> None:
     """Let the frame yield by the model's own and what was found."""
-    total = draft.problem.setting.compliance + 1e-3 * at["compliance_mm_kN"]
-    draft.case = replace(draft.case, frame_stiffness=1.0 / total)
+    total = draft.problem.setting.compliance + 1e-3 * at.get("compliance_mm_kN", 0.0)
+    if at.get("play_mm", 0.0) > 0.0:
+        # The document has a spring: one that opens as far at the force the press closes with.
+        frame = Frame(total, at["play_mm"], at["taken_up_N"])
+        total = float(frame.opens(draft.force)) / draft.force
+        draft.notes.append(
+            f"frame-compliance: the document has a frame of one stiffness, that at {draft.force:.3g} N is written; "
+            f"below, the frame opens further, by play of {at['play_mm']:.3g} mm"
+        )
+    if total > 0.0:
+        draft.case = replace(draft.case, frame_stiffness=1.0 / total)
 
 
 def _stiffen(foam: dict[str, Any], factor: float) -> None:
@@ -207,7 +222,7 @@ def _relax(draft: _Draft, at: Mapping[str, float]) -> None:
     shares = [*share] if isinstance(share, list) else [share] if share else []
     times = given.get("time", "1 s")
     times = [*times] if isinstance(times, list) else [times] * len(shares)
-    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{_longest(draft)!r} s"
+    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{_longest(draft.problem)!r} s"
     seconds = quantity(dwell, "time")
     lasting = [s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)]
     faded, slow = at["share"], at.get("time_s")

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.loop.press_reading import Changes, Reading
+from hyperfab.loop.press_reading import Changes, Frame, Reading
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 from hyperfab.pressing import foam_law
 
@@ -216,19 +216,38 @@ def _soften(law_degC: float, molds_degC: float, press: Changes, at: Mapping[str,
     press.left.append(left)
 
 
-def frame_compliance(context: DataContext) -> Effect:
-    """A press that yields under its force, ``[press] stiffness`` of foam.toml: the frame opens in proportion to it."""
+def frame_compliance(context: DataContext) -> PressEffect:
+    """A press that yields under its force, ``[press] stiffness`` of foam.toml: the frame opens in proportion to it,
+    or further while its joints have play, and is the stiffer the further they are closed."""
     whole = 1e3 * context.travel_mm / context.force_N
     unread = context.forced and not context.strokes
-    compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole, places=("compliance_mm_kN",))
-    return Effect(
+    compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole)
+    travel, force = context.travel_mm, context.force_N
+    play = Constant("play_mm", 0.0, 0.0, travel, 0.02 * travel)
+    taken_up = Constant("taken_up_N", 0.2 * force, 1e-3 * force, 3.0 * force, 0.1 * force)
+    begins, probes = (tuple((much * travel, share * force) for share in (0.2, 0.02)) for much in (0.1, 0.02))
+    return PressEffect(
         id="frame-compliance",
         title="the frame of the press yields",
         not_sought="the press is set by its force, and no stroke was read" if unread else "",
         shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
-        source="a linear spring in series",
-        forms=(Form("spring", (compliance,), ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),)),),
+        source="a linear spring in series; joints that close as rough faces do",
+        forms=(
+            Form("spring", (compliance,), ((0.1 * whole,), (0.5 * whole,)), ((0.02 * whole,),)),
+            Form("play", (play, taken_up), begins, probes),
+            Form(
+                "play and spring",
+                (play, taken_up, compliance),
+                ((*begins[0], 0.1 * whole),),
+                refines=("play", "spring"),
+            ),
+        ),
+        move=_open,
     )
+
+
+def _open(press: Changes, at: Mapping[str, float]) -> None:
+    press.frame = Frame(1e-3 * at.get("compliance_mm_kN", 0.0), at.get("play_mm", 0.0), at.get("taken_up_N", 1.0))
 
 
 def _along_both(name: str, step: float) -> tuple[Constant, ...]:
