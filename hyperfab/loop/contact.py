@@ -15,6 +15,7 @@ from hyperfab.loop.emulator import Emulator
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_curve
+from hyperfab.loop.slack import Slack
 from hyperfab.materials.effects.thermal_softening import factor
 
 #: What is known of the depth's zero [mm].
@@ -67,8 +68,9 @@ class Sheet:
     ``correction`` (k,) is what finer meshes say of the force at the knots, over the emulated one. The law's constants
     are factors; those that are ``linear`` scale the whole force where they are alike, and the emulated settings are the
     ratios of the rest to the first. ``anchor`` (k,) is what of the correction came from a run at a finding.
-    ``coefficient`` of friction, ``slip`` [mm per N/mm] and ``frame`` [mm/N], by which the machine yields, are what the
-    model has already.
+    ``slacker`` emulates a sheet mounted slack, by the ``slack`` that tells at which knot it is: None where the model
+    has another prestretch than none. ``coefficient`` of friction, ``slip`` [mm per N/mm] and ``frame`` [mm/N], by which
+    the machine yields, are what the model has already.
     """
 
     emulator: Emulator
@@ -81,6 +83,14 @@ class Sheet:
     coefficient: float = 0.0
     slip: float = 0.0
     frame: float = 0.0
+    slack: Slack | None = None
+    slacker: Emulator | None = None
+
+    @property
+    def slackest(self) -> float:
+        """How slack a sheet may be that it stands for."""
+        axes = () if self.slacker is None else self.slacker.axes
+        return sum(-axis.up for axis in axes if axis.name == "prestretch")
 
     def force(self, own: Array, effects: Array, depth: Array, soft: Array | None = None) -> Array:
         """Return the force (m,) [N] at ``depth`` (m,), as the machine reads it, for factors ``own`` (p,) and effects
@@ -111,9 +121,13 @@ class Sheet:
         if between:
             levels = np.linspace(levels[0], levels[-1], _STIFFNESSES)
         splines = [self._spline(own, effects, float(level)) for level in levels]
+        added = float(effects[0])
 
         def force(depth: Array) -> Array:
-            at = np.maximum(depth, self.knots[0] * 0.2)
+            at = depth
+            if self.slack is not None and added < 0.0:
+                at, depth = self.slack.knots(depth, added), self.slack.taut(depth, added)
+            at = np.maximum(at, self.knots[0] * 0.2)
             found = np.stack([level * spline(at) for level, spline in zip(levels, splines, strict=True)])
             if len(levels) == 1:
                 return np.asarray(depth * (soft / levels[0]) * found[0])
@@ -158,17 +172,24 @@ class Sheet:
         """Return what the emulator says, a row for each of ``slips``."""
         settings = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (len(slips), 1))
         settings[:, -1] = slips
-        return self.emulator(settings)
+        return self._emulated(effects)(settings)
+
+    def _emulated(self, effects: Array) -> Emulator:
+        return self.slacker if self.slacker is not None and effects[0] < 0.0 else self.emulator
 
     def _spline(self, own: Array, effects: Array, soft: float) -> CubicSpline:
         """Force over depth: smooth, and finite at the first touch of a sheet under tension."""
-        slips, count = self.slips(own, effects, soft), len(self.knots)
+        return CubicSpline(self.knots, self.stiffness(own, effects, soft))
+
+    def stiffness(self, own: Array, effects: Array, soft: float) -> Array:
+        """Return force over depth (k,) [N/mm] at the knots."""
+        slips, count, emulator = self.slips(own, effects, soft), len(self.knots), self._emulated(effects)
         if np.all(slips == slips[0]):
             settings = np.array([*self.ratios(own), effects[0], effects[1], slips[0]])
-            stiffness = self.emulator(settings)[:count]
+            found = emulator(settings)[:count]
         else:
-            stiffness = np.diagonal(self._at(own, effects, slips)[:, :count])
-        return CubicSpline(self.knots, stiffness * self.correction * self.scale(own))
+            found = np.diagonal(self._at(own, effects, slips)[:, :count])
+        return np.asarray(found * self.correction * self.scale(own))
 
 
 def _parabola(levels: Array, values: Array, at: Array) -> Array:
@@ -276,7 +297,7 @@ def contact_problem(
     context = DataContext(
         temperatures=tuple(float(v) for v in temperatures),
         reference_degC=reference_degC,
-        prestretch=(axes["prestretch"].down, axes["prestretch"].up),
+        prestretch=(max(axes["prestretch"].down, sheet.slackest), axes["prestretch"].up),
         friction=axes["friction"].up if sheet.friction else 0.0,
         slip=axes["slip"].up,
         pull=float(at_rest[-1]),

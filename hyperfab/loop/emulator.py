@@ -19,7 +19,8 @@ _UPTO = (1, 3, 5)
 
 @dataclass(frozen=True)
 class Axis:
-    """One setting: at ``base`` the model is as it is; it reaches to ``base - down`` and ``base + up``.
+    """One setting: at ``base`` the model is as it is; it reaches to ``base - down`` and ``base + up``, or one way
+    alone: down, where ``up`` is below 0.
 
     ``level`` 1 is a parabola along the axis, 2 a quartic. Axes that ``mixes`` have biquadratic terms with each
     other, and bilinear ones with the rest.

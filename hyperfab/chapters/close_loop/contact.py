@@ -31,8 +31,9 @@ from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.emulator import Axis as Setting
-from hyperfab.loop.emulator import emulate
+from hyperfab.loop.emulator import Emulator, emulate
 from hyperfab.loop.engine import Finding
+from hyperfab.loop.slack import Slack
 from hyperfab.materials.registry import bind
 from hyperfab.membrane.contact import Coulomb, Stick
 from hyperfab.membrane.equilibrium import NoEquilibriumError, State
@@ -127,25 +128,43 @@ def pose_sheet(
         Setting("slip", 0.0, slips),
     ]
 
-    def one(settings: Array) -> Array:
-        ratios = dict(zip((axis.name for axis in axes), (float(v) for v in settings), strict=True))
-        return np.concatenate(forward.path(forward.test(ratios), knots))
+    slack = Slack(test.radius, test.outline.reach, float(knots[-1])) if _hangs_by_none(test) else None
+    runs: dict[tuple[float, ...], Array] = {}
 
-    for _ in range(4):
-        try:
-            emulator = emulate(one, axes, tick)
-            break
-        except NoEquilibriumError:
-            axes = [replace(axis, up=0.5 * axis.up, down=0.5 * axis.down) for axis in axes]
-    else:
-        raise NotConverged(
-            "the sheet has no equilibrium near the model's constants", remedy="measure to a smaller depth"
-        )
+    def one(settings: Array) -> Array:
+        key = tuple(float(v) for v in settings)
+        if key not in runs:
+            ratios = dict(zip((axis.name for axis in axes), key, strict=True))
+            runs[key] = np.concatenate(forward.path(forward.test(ratios), knots, slack, ratios["prestretch"]))
+        return runs[key]
+
+    emulator = _emulated(one, axes, lambda share: tick(0.75 * share if slack else share))
+    slacker = None
+    if slack is not None and slack.most > 0.0:
+        # The one side bends where the sheet begins to hang: each has a polynomial of its own.
+        reached = [replace(axis, up=-slack.most) if axis.name == "prestretch" else axis for axis in emulator.axes]
+        slacker = _emulated(one, reached, lambda share: tick(0.75 + 0.25 * share))
     correction = _finer(document, knots, base, test.frame)
     return Sheet(
         emulator, knots, correction, names, linear, np.ones_like(knots),
         friction=not sticks, coefficient=coefficient, slip=test.rim_slip, frame=test.frame,
+        slack=slack, slacker=slacker,
     )  # fmt: skip
+
+
+def _hangs_by_none(test: SphereTest) -> bool:
+    """Whether a sheet over a ball bears at once, and is as long as its rim is wide."""
+    return test.prestretch == 1.0 and test.facets is None
+
+
+def _emulated(run: Callable[[Array], Array], axes: Sequence[Setting], tick: Callable[[float], None]) -> Emulator:
+    """Return the polynomial of runs that reaches as far as the sheet has an equilibrium."""
+    for _ in range(4):
+        try:
+            return emulate(run, axes, tick)
+        except NoEquilibriumError:
+            axes = [replace(axis, up=0.5 * axis.up, down=0.5 * axis.down) for axis in axes]
+    raise NotConverged("the sheet has no equilibrium near the model's constants", remedy="measure to a smaller depth")
 
 
 class Forward:
@@ -169,12 +188,16 @@ class Forward:
         test = setup_of(contact_applied(self.case, settings), self.geometry, fabric).test(fabric)
         return replace(test, mesh_size=max(test.mesh_size, _MESH * test.outline.reach), order=_ORDER)
 
-    def path(self, test: SphereTest, knots: Array) -> tuple[Array, Array]:
+    def path(
+        self, test: SphereTest, knots: Array, slack: Slack | None = None, added: float = 0.0
+    ) -> tuple[Array, Array]:
         """Return force over depth at ``knots`` (k,) [N/mm] and the pull of the rim there; NoEquilibriumError where
-        they are not all reached."""
-        held, states = self.states(test, knots)
+        they are not all reached. Of a sheet slack by ``added``, below 0, over the depths as ``slack`` tells them."""
+        depths = knots if slack is None else slack.depths(knots, added)
+        held, states = self.states(test, depths)
         pulls = [held.pull(state.places) for state in states]
-        return np.array([state.force for state in states]) / knots, np.array(pulls)
+        over = knots if slack is None else slack.taut(depths, added)
+        return np.array([state.force for state in states]) / over, np.array(pulls)
 
     def states(self, test: SphereTest, knots: Array) -> tuple[SheetAlone, Sequence[State]]:
         """Return the sheet and its states at depths ``knots`` (k,); NoEquilibriumError where not all are reached."""
@@ -196,15 +219,15 @@ class Forward:
         slip = float(sheet.slips(own, effects, 1.0)[0])
         settings |= {"prestretch": effects[0], "friction": effects[1], "slip": slip}
         try:
-            true = self.path(self.test(settings), sheet.knots)[0] * scale
+            true = self.path(self.test(settings), sheet.knots, sheet.slack, float(effects[0]))[0] * scale
         except NoEquilibriumError:
             return None
         plain = replace(sheet, correction=np.ones_like(sheet.correction))
-        thought = plain.resistance(own, effects, np.ones_like(sheet.knots))(sheet.knots)
-        ratio = true / (thought / sheet.knots)
+        ratio = true / plain.stiffness(own, effects, 1.0)
         read = problem.states["depth_mm"]
         force = sheet.force(own, effects, read)
         depth = read - (sheet.frame + effects[4]) * force
+        depth = depth if sheet.slack is None else sheet.slack.knots(depth, float(effects[0]))
         off = force * (np.interp(depth, sheet.knots, ratio / sheet.anchor) - 1.0)
         if float(np.sqrt(np.mean((off / found.noise.sd[: len(off)]) ** 2))) < 0.2:
             return None

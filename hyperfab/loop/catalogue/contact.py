@@ -63,15 +63,16 @@ def friction(context: DataContext) -> Effect:
 
 
 def pretension(context: DataContext) -> Effect:
-    """A sheet mounted taut, ``--prestretch``: stretch of the rim, added to the model's own."""
+    """A sheet mounted taut or slack, ``--prestretch``: stretch of the rim, added to the model's own."""
     down, up = context.prestretch
+    slack, less = (((-0.4 * down,),), ((-min(0.003, 0.1 * down),),)) if down > 0.0 else ((), ())
     added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     return Effect(
         id="pretension",
-        title="the sheet was mounted under tension",
-        shown_by="the first tenth of the depth, read closely: a taut sheet resists at once",
+        title="the sheet was mounted taut or slack",
+        shown_by="the first tenth of the depth, read closely: a taut sheet resists at once, a slack one not at all",
         source="a rim held at a multiple of its place",
-        forms=(Form("even", (added,), ((0.01,), (0.04,)), ((0.003,),)),),
+        forms=(Form("even", (added,), ((0.01,), (0.04,), *slack), ((0.003,), *less)),),
     )
 
 
