@@ -17,13 +17,13 @@ from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.lumping import lumped
-from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.reduced_steps import Course, Faces, Numbers, Parts, march
 from hyperfab.thermal.run_basis import SOLVE, beside_uniform
 from hyperfab.thermal.settings import Film, Patch, Settings, patch, points_for
 from hyperfab.thermal.step import GAMMA
 from hyperfab.thermal.tables import Table
+from hyperfab.thermal.zones import by_zone, changes, on_basis, warmed
 
 #: Directions that differ by less add nothing, of fields of a kelvin.
 _DROP = 1e-7
@@ -41,8 +41,8 @@ HOLDS = 1e6
 class ReducedMold:
     """Small matrices of a mold on a ``basis`` (n, r), and its probes (p, r).
 
-    ``mass``, ``stiffness`` and ``means`` are of each part, ``materials`` says which material a part is of;
-    ``changes`` (2, parts, k, 2) are temperatures and the factors of specific heat and of conductivity there.
+    ``mass``, ``stiffness`` and ``means`` are of each zone of a part, ``materials`` says which material it is of;
+    ``changes`` (2, zones, k, 2) are temperatures and the factors of specific heat and of conductivity there.
     """
 
     mass: Array
@@ -170,7 +170,7 @@ class ReducedMold:
         return [*self.films, *self.radiators, *self.held, under]
 
     def stored(self, coordinates: Array) -> Array:
-        """Return the heat in each part (parts,) [J], counted from 0 degC, of materials that do not change."""
+        """Return the heat in each zone (zones,) [J], counted from 0 degC, of materials that do not change."""
         return np.asarray(self.mass[:, 0] @ coordinates / self.basis[0, 0])  # the first of the basis is uniform
 
     @property
@@ -198,6 +198,7 @@ def reduce(
     absent: Sequence[Convection] = (),
     states: Sequence[Array] = (),
     conducting: Sequence[float] = (1.0,),
+    zones: int = 1,
 ) -> ReducedMold:
     """Return the reduced mold of a model whose joints that conduct perfectly are the contacts ``opened`` of it.
 
@@ -207,15 +208,19 @@ def reduce(
     time scales of the basis, as shares of the duration. Films that are ``absent`` but where settings scale them come
     after the others; ``states`` (n,) are temperatures that the basis is to hold,
     and the answers to what leaves and what flows at the last of them. ``conducting`` are factors on all conductivities
-    that the basis is to answer at.
+    that the basis is to answer at. Materials that change go by the mean of each of as many ``zones`` of a part.
     """
     films = [c for c in model.conditions if isinstance(c, Convection) and c not in held]
     radiators = [c for c in model.conditions if isinstance(c, Radiation)]
     joints = [c for c in model.conditions if isinstance(c, Contact) and c not in opened]
-    media, within, began = _by_part(model), _indicators(model), _groups(model, groups)
+    within, began = _indicators(model), _groups(model, groups)
     names = list(dict.fromkeys(material.name for material in model.materials))
-    materials = np.array([names.index(material.name) for material in model.materials])
-    across = [c.shape for c in model.conditions if isinstance(c, Heater)]
+    materials = np.repeat([names.index(material.name) for material in model.materials], zones)
+    heaters = [c for c in model.conditions if isinstance(c, Heater)]
+    powers = [c.shape * float(np.max(np.abs(c.power.y))) for c in heaters]
+    warm = warmed(model, powers if zones > 1 else [], duration / scales[-1])
+    media = by_zone(model, zones, warm)
+    across = [c.shape for c in heaters]
     across += [joint.near.load(1.0) - joint.far.load(1.0) for joint in (*joints, *opened)]
     cooled: list[Convection | Radiation] = [*films, *radiators]
     loads = [*across, *(face.facets.load(1.0) for face in (*cooled, *held))]
@@ -224,12 +229,12 @@ def reduce(
     for last in states[-1:]:
         loads += [one.flow(duration, last) for one in (*cooled, *absent)]
         loads += [one.flow(duration, last) for one in joints]
-        flows = np.array([model.pattern.matrix(one.conduction(last)) @ (last - last.mean()) for one in media])
+        flows = np.array([one.conducting @ (last - last.mean()) for one in media])
         loads += [flows[materials == kind].sum(axis=0) for kind in range(len(names))]
     vectors = [start, *states, *within, *began]
     across = across if joints or opened else []
     basis = _basis(model, vectors, loads, across, [duration / share for share in scales], conducting)
-    mass, stiffness, means = _on_basis(model, media, basis)
+    mass, stiffness, means = on_basis(media, basis)
 
     def apart(joint: Contact) -> Array:
         return joint.near.at_points_of(basis) - joint.far.at_points_of(basis)
@@ -250,13 +255,13 @@ def reduce(
         stiffness=stiffness,
         means=means,
         materials=materials,
-        changes=_changes(model),
+        changes=changes(model, zones),
         films=[_face(c.facets, basis, c.film, c.ambient) for c in (*films, *absent)],
         radiators=[_face(c.facets, basis, Table.constant(0.0), c.ambient, c.emissivity) for c in radiators],
         held=[_face(c.facets, basis, Table.constant(0.0), c.ambient) for c in held],
         bench=empty if bench is None else patch(bench.at_points_of(basis), bench.weights.ravel(), points(bench)),
         surroundings=ambient,
-        heaters=[(basis.T @ c.shape, c.power) for c in model.conditions if isinstance(c, Heater)],
+        heaters=[(basis.T @ c.shape, c.power) for c in heaters],
         joints=[(jump(c), c.closed) for c in joints],
         opened=[patch(apart(c), c.near.weights.ravel(), points(c.near), whole=True) for c in opened],
         basis=basis,
@@ -296,35 +301,6 @@ def _face(facets: FacetOperator, basis: Array, film: Table, ambient: Table, emis
     return Film(rows, weights, film, ambient, emissivity)
 
 
-def _by_part(model: HeatModel) -> list[Medium]:
-    """Return the medium of each part alone, as it is at 50 degC."""
-    media = []
-    for part, material in enumerate(model.materials):
-        mine = model.mesh.parts == part
-        mesh = replace(model.mesh, elements=model.mesh.elements[mine], parts=model.mesh.parts[mine])
-        constant = ThermalMaterial(
-            material.name,
-            material.density,
-            Table.constant(material.conductivity.at(50.0)),
-            Table.constant(material.specific_heat.at(50.0)),
-        )
-        media.append(Medium(mesh, [constant] * len(model.materials), model.pattern, np.zeros(0)))
-    return media
-
-
-def _on_basis(model: HeatModel, media: Sequence[Medium], basis: Array) -> tuple[Array, Array, Array]:
-    """Return capacity and conduction matrices of each part on the basis, and its mean of each basis vector."""
-    zero = np.zeros(model.size)
-    mass, stiffness, means = [], [], []
-    for medium in media:
-        capacity = model.pattern.matrix(medium.capacity(zero))
-        mass.append(basis.T @ (capacity @ basis))
-        stiffness.append(basis.T @ (model.pattern.matrix(medium.conduction(zero)) @ basis))
-        weight = capacity @ np.ones(model.size)
-        means.append(weight @ basis / weight.sum())
-    return np.stack(mass), np.stack(stiffness), np.stack(means)
-
-
 def _conducting(model: HeatModel, factor: float) -> HeatModel:
     """Return the model with all conductivities times a factor."""
     if factor == 1.0:
@@ -342,15 +318,6 @@ def _loosened(model: HeatModel) -> HeatModel:
         for c in model.conditions
     ]
     return HeatModel(model.mesh, model.materials, loose, model.prescribed)
-
-
-def _changes(model: HeatModel) -> Array:
-    """Return the materials' tables as factors on what they are at 50 degC, one place where nothing changes."""
-    tables = [[m.specific_heat for m in model.materials], [m.conductivity for m in model.materials]]
-    if all(table.is_constant for kind in tables for table in kind):
-        return np.ones((2, len(model.materials), 1, 2))
-    at = np.unique(np.concatenate([table.x for kind in tables for table in kind]))
-    return np.array([[np.column_stack([at, table(at) / table.at(50.0)]) for table in kind] for kind in tables])
 
 
 def _basis(

@@ -108,14 +108,18 @@ def values_of(form: Form) -> np.ndarray:
 
 
 def written(
-    own: np.ndarray, terms: dict[str, tuple[str, np.ndarray]], folder: Path, before: Posed | None = None
+    own: np.ndarray,
+    terms: dict[str, tuple[str, np.ndarray]],
+    folder: Path,
+    before: Posed | None = None,
+    noise_K: float = np.inf,
 ) -> tuple[Posed, list[str]]:
     """Return the mold that the loop writes with ``terms``, read again, and what it says of them."""
     before = before or given()
     forms = {name: before.problem.effect(name).form(form) for name, (form, _) in terms.items()}
     x = np.concatenate([own, *(values for _, values in terms.values())])
     fit: Any = SimpleNamespace(x=x, own=len(own), terms=terms, forms=forms)
-    files, notes = extend(before.data, before.document, before.problem, fit, "loop", ("", ""))
+    files, notes = extend(before.data, before.document, before.problem, fit, "loop", ("", ""), noise_K)
     for suffix, content in files.items():
         (folder / f"loop{suffix}").write_bytes(content)
     return posed(files[".model.toml"], folder), notes

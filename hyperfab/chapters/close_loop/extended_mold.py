@@ -30,6 +30,8 @@ _RIDING = {
 }
 #: How far above the ambient [K] a film coefficient that rides on it is tabulated.
 _ABOVE = np.concatenate([np.geomspace(0.5, 20.0, 60), np.linspace(20.0, 400.0, 191)[1:]])
+#: What a step of the extended mold may err by, as a share of the readings' noise.
+_STEP = 0.05
 _FILES = ("table", "stl", "schedule", "document")
 #: Endings of the tables an extended mold may have beside it.
 TABLES = (
@@ -48,11 +50,13 @@ def extend(
     fit: Fit,
     stem: str,
     folders: tuple[str, str],
+    noise_K: float = np.inf,
 ) -> tuple[dict[str, bytes], list[str]]:
     """Return the files of the extended mold by suffix, and what of it ``hf mold-heat`` cannot obey.
 
     ``stem`` is the output's, for the names of tables; ``folders`` are that of the document and that of the
-    output: names of other files are counted from the latter.
+    output: names of other files are counted from the latter; ``noise_K`` is that of the readings, within which the
+    extended mold is to be what the loop predicts.
     """
     mold = copy.deepcopy(dict(data))
     relocate(mold, folders)
@@ -70,6 +74,7 @@ def extend(
     wider.radiation()
     wider.base(lambda: problem.bench_degC(fit.x[: fit.own], fit.terms))
     wider.probes()
+    wider.steps(noise_K)
     _named(mold, stem)
     files[".model.toml"] = dump_toml(mold)
     return files, wider.notes
@@ -316,6 +321,11 @@ class _Wider:
         )
         if any(self.at(f"bench_{way}") for way in _OVER_A_FACE):
             self.notes.append(_UNEVEN.format("base-conduction: more leaves in places"))
+
+    def steps(self, noise_K: float) -> None:
+        """Let no step of the run err by more than is small beside the noise: what steps err by adds up."""
+        if _STEP * noise_K < self.document.run.tolerance:
+            self.mold["run"]["tolerance"] = f"{_STEP * noise_K:.2g} K"
 
     def probes(self) -> None:
         """Write how late the probes follow."""

@@ -36,6 +36,8 @@ from hyperfab.thermal.tables import Table
 
 #: Conductance that counts as a perfect joint [W/m^2/K].
 PERFECT = 1e7
+#: Zones of a part, a power of two: what changes with temperature goes by the mean of each.
+_ZONES = 16
 
 
 def run(job: Job, given: Given) -> int:
@@ -90,7 +92,8 @@ def run(job: Job, given: Given) -> int:
     if out.wants_files:
         target = out.path(".model.toml")
         folders = (os.path.dirname(given.name), str(target.parent))
-        files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders)
+        noise = float(np.min(found.noise.sd))
+        files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders, noise)
         files[".model.toml"] = noted(caution(found), files[".model.toml"])
         job.console.warn(*notes)
         result.warnings += notes
@@ -130,7 +133,7 @@ def pose(
     mold = reduce(
         model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
-        conducting=(1.0, least_of("conductivity", prior)),
+        conducting=(1.0, least_of("conductivity", prior)), zones=_ZONES,
     )  # fmt: skip
     if read.power is not None and any(heater.control is not None for heater in document.heater):
         mold = _drawn(mold, document, read.times, read.power)
