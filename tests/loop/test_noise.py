@@ -66,7 +66,7 @@ class OfDepth:
 
     axes = tuple(Axis(name, base, 0.1) for name, base in (("prestretch", 0.0), ("friction", 0.0), ("slip", 0.0)))
     emulator: Any = property(lambda self: self)
-    names, knots, friction = ("C10_MPa",), np.linspace(1.0, 20.0, 9), True
+    names, knots, friction, slackest = ("C10_MPa",), np.linspace(1.0, 20.0, 9), True, 0.0
 
     def __call__(self, settings: np.ndarray) -> np.ndarray:
         return np.append(self.knots, 1.0)

@@ -253,7 +253,7 @@ def rivals_asked(monkeypatch: pytest.MonkeyPatch, constants: int, cosine: float)
     asked: list[int] = []
     other = SimpleNamespace(id="other")
     search = SimpleNamespace(
-        problem=SimpleNamespace(well_known=False), noise=None,
+        problem=SimpleNamespace(well_known=False, describes=True), noise=None,
         without=lambda best, name: SimpleNamespace(fit=None),
         ranking=lambda state: [(other, 1.0)],
         with_term=lambda state, effect, most=99: asked.append(most),
