@@ -92,9 +92,7 @@ def curves_of(
     at = len(stress)
     setups, sizes = setups_of(path, tests, ridden=ridden), _sizes_of(tests)
     for test, place, setup, size in zip(tests, path.curves, setups, sizes, strict=True):
-        up = path.up[place]
-        corners = (np.diff(up) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
-        cuts = tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
+        cuts = _corners(path, place)
         time = path.time_s[place]
         rising = bool(np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0))
         specimen = test.specimen or test.source
@@ -118,6 +116,12 @@ def curves_of(
     return tuple(order), np.concatenate(rows), np.concatenate([stress, *extra])
 
 
+def _corners(path: Path, place: slice) -> tuple[int, ...]:
+    """Return the rows of a test at which its way turns, or it begins or ceases to stand still."""
+    corners = (np.diff(path.up[place]) != 0) | (np.diff(path.still[place].astype(np.int64)) != 0)
+    return tuple(int(i) for i in place.start + 1 + np.flatnonzero(corners))
+
+
 def hanging(path: Path, curves: Sequence[Curve], stress: Array) -> Flags:
     """Return which rows (n,) are of sheets that hang slack where they would have to push: those of curves that pull,
     without readings clearly below zero. What is thick enough pushes back. A crosshead that comes back a hair too far
@@ -138,10 +142,12 @@ def thinned(test: T) -> T:
     A machine that logs a thousand times a second reads the same curve more often than any law bends. Where the way
     turns, a hold begins or ends, the readings stay.
     """
+    if len(test.stretch) <= _A_WAY:
+        return test
     path, _ = path_of([test])
-    [curve, *_], _, _ = curves_of(path, [test], test.stress)
+    [whole] = path.curves
     kept = []
-    for piece in curve.pieces():
+    for piece in Curve(test.source, whole.start, whole.stop, path.stretch, _corners(path, whole)).pieces():
         count = piece.stop - piece.start
         some = np.linspace(0.0, count - 1.0, min(count, _A_WAY))
         if count > _A_WAY and path.still[piece].all():

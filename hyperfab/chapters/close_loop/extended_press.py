@@ -119,16 +119,19 @@ def _shrink(draft: _Draft, at: Mapping[str, float]) -> None:
         dwell, time = quantity(section["dwell"], "time"), quantity(section["time"], "time")
         lost /= -float(np.expm1(-dwell / time))
     if slow is not None:
-        closed = (
-            section.get("dwell") or draft.foam.get("relaxation", {}).get("dwell") or f"{_longest(draft.problem)!r} s"
-        )
-        section |= {"time": f"{slow!r} s", "dwell": closed}
+        section |= {"time": f"{slow!r} s", "dwell": _dwell(draft, "shrinkage", "relaxation")}
     draft.foam["shrinkage"] = {**section, "amount": min(lost, 0.9)}
 
 
 def _longest(problem: PressProblem) -> float:
     """Return the longest time [s] that was read, a minute where none was."""
     return max((float(np.max(one.time_s)) for one in problem.files if one.time_s is not None), default=60.0)
+
+
+def _dwell(draft: _Draft, *sections: str) -> str:
+    """Return how long the press stays closed, as the first of the ``sections`` that tells, else as long as was read."""
+    told = (draft.foam.get(name, {}).get("dwell") for name in sections)
+    return next((one for one in told if one), f"{_longest(draft.problem)!r} s")
 
 
 def _vary(draft: _Draft, at: Mapping[str, float]) -> None:
@@ -222,7 +225,7 @@ def _relax(draft: _Draft, at: Mapping[str, float]) -> None:
     shares = [*share] if isinstance(share, list) else [share] if share else []
     times = given.get("time", "1 s")
     times = [*times] if isinstance(times, list) else [times] * len(shares)
-    dwell = given.get("dwell") or foam.get("shrinkage", {}).get("dwell") or f"{_longest(draft.problem)!r} s"
+    dwell = _dwell(draft, "relaxation", "shrinkage")
     seconds = quantity(dwell, "time")
     lasting = [s * -float(np.expm1(-seconds / quantity(t, "time"))) for s, t in zip(shares, times, strict=True)]
     faded, slow = at["share"], at.get("time_s")
