@@ -292,3 +292,29 @@ def test_a_foam_is_cut_into_blocks_and_strips_of_any_thickness(hf, tmp_path) -> 
     document = json.loads((tmp_path / "foam.json").read_text())
     assert document["parameters"] == pytest.approx(COLD.parameters, rel=1e-6)
     assert "thickness_mm" not in document  # neither is that of the foam in the press
+
+
+def test_blocks_and_strips_of_a_foam_tell_how_sure_its_constants_are(tmp_path, hf) -> None:
+    """Three pressed, three pulled, each stiffer than the mean by a share of its own; of one of each nothing is known
+    of how specimens scatter, and what the readings leave is told."""
+    gains, files = (0.95, 1.0, 1.05), []
+    for name, stretch in (("down", np.linspace(0.97, 0.4, 20)), ("up", np.linspace(1.02, 1.3, 15))):
+        for number, gain in enumerate(gains):
+            files.append(f"{name}{number}.csv")
+            stress = gain * COLD.stress("uniaxial", stretch)
+            _write(tmp_path, files[-1], "uniaxial", stretch, stress, second=COLD.lateral("uniaxial", stretch))
+    run = hf("fit", *files, "--model", "hyperfoam-1", "-o", "foam.json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr.decode()
+    assert b"takes no part" not in run.stderr  # the lateral stretch does
+    document = json.loads((tmp_path / "foam.json").read_text())
+    fit, known = document["fit"], document["fit"]["uncertainty"]
+    assert (known["source"], known["specimens"], known["degrees_of_freedom"]) == ("specimens", 6, 4)
+    assert fit["parameters_sd"].keys() == document["parameters"].keys()
+    # Both kinds together as far apart as either: 5 % of three, and the mean of six is surer than one of them.
+    assert 0.05 / np.sqrt(6.0) < fit["parameters_sd"]["mu1_MPa"] / COLD.mu[0] < 0.05
+    assert fit["parameters_sd"]["nu1"] < 1e-3
+    assert 1.0 < fit["condition_number"] < 10.0
+    assert [(one["test"], one["specimens"]) for one in document["replicates"]] == [("uniaxial", 3)] * 2
+    assert hf("fit", "down1.csv", "up1.csv", "--model", "hyperfoam-1", "-o", "two.json", cwd=tmp_path).returncode == 0
+    two = json.loads((tmp_path / "two.json").read_text())["fit"]["uncertainty"]
+    assert (two["source"], two["specimens"]) == ("readings", 2)

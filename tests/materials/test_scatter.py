@@ -221,3 +221,23 @@ def test_correlations_of_neighbours_are_those_of_each_curve() -> None:
     left -= basis @ (basis.T @ left)
     found = by_readings(Weighed(basis, left, np.ones(4000), np.zeros(4000)), basis, np.eye(2))
     assert found == pytest.approx(np.eye(2) * (left @ left) / 3998, rel=0.05, abs=0.05)
+
+
+def test_stresses_and_widths_err_each_by_their_own() -> None:
+    """One constant told by 2000 stresses that err by 1, another by as many widths that err by 0.1."""
+    random = np.random.default_rng(3)
+    stress = np.repeat([1.0, 0.0], 2000)
+    basis = np.stack([stress, 1.0 - stress], axis=1) / np.sqrt(2000.0)
+    left = random.standard_normal(4000) * np.where(stress > 0.0, 1.0, 0.1)
+    left -= basis @ (basis.T @ left)
+    found = by_readings(Weighed(basis, left, stress, np.repeat([0, 1], 2000)), basis, np.eye(2))
+    assert np.diag(found) == pytest.approx([1.0, 0.01], rel=0.1)
+
+
+def test_a_pull_and_a_pressing_are_no_replicates() -> None:
+    """They differ by what the law misses, which is no scatter of specimens."""
+    [pulled] = neo_hookean(GAINS[:1])
+    lam = np.linspace(0.95, 0.6, 20)
+    pressed = replace(pulled, specimen="2", stretch=lam, stress=0.21 * (lam - lam**-2))
+    assert fitted([pulled, pressed]).certainty.scatter is None
+    assert fitted([pulled, replace(pulled, specimen="2", stress=1.1 * pulled.stress)]).certainty.scatter is not None

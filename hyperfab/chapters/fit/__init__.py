@@ -12,7 +12,7 @@ from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
 from hyperfab.chapters.fit.identify import Identified, Setting, reach, tested
 from hyperfab.chapters.fit.judge import Judged, Sets, closer, judge, law_spread
 from hyperfab.chapters.fit.prepare import steps_of
-from hyperfab.chapters.fit.readings import Readings, gather, read_all
+from hyperfab.chapters.fit.readings import Readings, contractions, gather, read_all
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
@@ -54,6 +54,8 @@ def run(job: Job, case: FitCase) -> int:
     foam = model in ORDERS
     # A foam's rows count by their share of the largest stress: none is without meaning.
     readings = gather(tests, steps, relative and not foam, carried_by(model), not foam, noise)
+    whole = foam or model == "orthotropic"
+    readings.preparation += contractions(readings.curves, fitted=whole)
     job.console.note(*readings.preparation)
     readings.preparation += told
     readings.warnings[:0] = aspect_warnings(tests)
@@ -61,7 +63,7 @@ def run(job: Job, case: FitCase) -> int:
     if noise is not None:
         readings.preparation.append(f"noise of {noise:g} MPa taken into account in the weights")
     setting = Setting(chosen, relative and not foam, case.stable, case.accept, noise)
-    fitted = _whole if foam or model == "orthotropic" else _by_direction
+    fitted = _whole if whole else _by_direction
     document, beside = fitted(job, readings, setting, case)
     if not foam:
         _tell_bulk(job, readings)

@@ -11,16 +11,25 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.describe import document_of
-from hyperfab.chapters.fit.identify import Setting, reference_of, temperatures_of, tested
+from hyperfab.chapters.fit.identify import (
+    Setting,
+    kind_of,
+    reference_of,
+    specimen_of,
+    temperatures_of,
+    tested,
+)
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
-from hyperfab.chapters.fit.whole import Answer, WholeFit
+from hyperfab.chapters.fit.whole import Answer, WholeFit, with_certainty
 from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows
-from hyperfab.materials.identification.hyperfoam import identify
+from hyperfab.materials.identification.hyperfoam import identify, optimum
+from hyperfab.materials.identification.quality import Certainty, sure_of
 from hyperfab.numerics.doubt import scatter
 from hyperfab.numerics.hygiene import first_loading
 from hyperfab.numerics.monotone import never_falling
@@ -30,6 +39,8 @@ from hyperfab.report.figures_fit import fit_figure
 _EDGE = 0.005
 #: Steps of the scan of stable stretches, and how far beyond the tests it goes.
 _SCAN, _BEYOND = 200, 1.5
+#: A foam is pressed or pulled.
+_SIDES = ("compression", "tension")
 
 
 @dataclass(frozen=True)
@@ -48,8 +59,20 @@ class FoamFit(WholeFit[Hyperfoam]):
     def figures(self) -> FitFigures:
         """The figures over all rows fitted, and of every test."""
         parts = {curve.mode: [c for c in self.curves if c.mode == curve.mode] for curve in self.curves}
-        both = {side: _side(parts.get("uniaxial", []), side) for side in ("compression", "tension")}
-        return self.figures_of(self.curves, parts | both if all(both.values()) else parts)
+        both = {side: _side(parts.get("uniaxial", []), side) for side in _SIDES}
+        figures = self.figures_of(self.curves, parts | both if all(both.values()) else parts)
+        with_certainty(figures, self._certainty(self.reference), self.fitted_at(self.reference))
+        if figures.uncertainty is not None:
+            figures.uncertainty.next_specimen = next_specimens(_by_side(self.setting.used(self.curves))) or None
+        return figures
+
+    def _certainty(self, number: int) -> Certainty:
+        """Return how sure the constants at one of the temperatures are."""
+        tests = _tests(self.fitted_at(number), self.temperatures[number])
+        names, weighed = optimum(self.laws[number], tests, kept=number != self.reference)
+        specimens = [specimen_of(one) for one in tests]
+        kinds = [kind_of(one) for one in tests]
+        return sure_of(weighed, names, np.eye(len(names)), specimens, kinds)
 
     @cached_property
     def accepted(self) -> bool:
@@ -102,11 +125,14 @@ class FoamFit(WholeFit[Hyperfoam]):
             model=self.law.name,
             parameters=self.law.parameters,
             temperature_degC=self.temperatures[self.reference],
-            temperatures=self.constants(lambda law: law.parameters),
+            temperatures=self.constants(
+                lambda law: law.parameters, lambda number: self.at(number, self._certainty(number))
+            ),
             fit=self.figures,
             stability=self.stability,
             stable=self.stable,
             accepted=self.accepted,
+            replicates=replicates(_by_side(self.curves)) or None,
             undetermined=self.undetermined or None,
             tested=tested(self.curves, self.setting),
             warnings=readings.warnings or None,
@@ -199,6 +225,12 @@ def _side(curves: Sequence[TestCurve], side: str) -> list[TestCurve]:
     return [part for part in parts if len(part.stretch)]
 
 
+def _by_side(curves: Sequence[TestCurve]) -> list[TestCurve]:
+    """Return uniaxial tests in parts, pressed and pulled, and the others as they are."""
+    split = [part for c in curves if c.mode == "uniaxial" for side in _SIDES for part in _side([c], side)]
+    return split + [c for c in curves if c.mode != "uniaxial"]
+
+
 def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestCurve]:
     """Return the tests at a temperature.
 
@@ -206,13 +238,10 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
     stiffness says little of its plateau, and a ratio to it less. Every test counts the same however many rows it has.
     """
     own = [curve for curve in curves if curve.is_at(temperature)]
-    split = [
-        part for c in own for side in ("compression", "tension") for part in _side([c], side) if c.mode == "uniaxial"
-    ]
-    split += [c for c in own if c.mode != "uniaxial"]
+    split = _by_side(own)
     found = []
     for curve in split:
-        alike = [other for other in split if _kind(other) == _kind(curve)]
+        alike = [other for other in split if kind_of(other)[:2] == kind_of(curve)[:2]]
         share = 1.0 / np.sqrt(sum(len(other.stretch) for other in alike))
         weight = np.full(len(curve.stretch), 1.0 / largest_stress(alike))
         widest = 0.0 if curve.contraction is None else float(np.abs(curve.contraction - 1.0).max())
@@ -222,10 +251,6 @@ def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestC
         if curve.mode == "biaxial-general" and curve.stretch2 is not None and curve.stress2 is not None:
             found.append(replace(weighed, stretch=curve.stretch2, stretch2=curve.stretch, stress=curve.stress2))
     return found
-
-
-def _kind(curve: TestCurve) -> tuple[str, bool]:
-    return curve.mode, bool(curve.stretch[0] < 1.0)
 
 
 #: Compression whose stress times the stretch falls by more than this share is carried by no stable law.

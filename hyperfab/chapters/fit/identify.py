@@ -272,9 +272,10 @@ def specimen_of(curve: TestCurve) -> tuple[str, str | None]:
     return curve.source, curve.specimen
 
 
-def kind_of(curve: TestCurve) -> tuple[str, str | None, float | None]:
-    """Specimens of one test, direction and temperature are replicates."""
-    return curve.mode, curve.direction_name, curve.temperature
+def kind_of(curve: TestCurve) -> tuple[str, bool, str | None, float | None]:
+    """Specimens of one test, pulled or pressed, of one direction and temperature are replicates."""
+    pressed = curve.mode != SIMPLE_SHEAR and bool(curve.stretch.mean() < 1.0)
+    return curve.mode, pressed, curve.direction_name, curve.temperature
 
 
 def _misses_directions(used: Sequence[TestCurve]) -> str | None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.describe import deviations, document_of, uncertainty
+from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import (
     Setting,
     deviation,
@@ -22,7 +22,7 @@ from hyperfab.chapters.fit.identify import (
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
-from hyperfab.chapters.fit.whole import WholeFit
+from hyperfab.chapters.fit.whole import WholeFit, with_certainty
 from hyperfab.chapters.look import named
 from hyperfab.curve import TestCurve, angle_named, largest_stress
 from hyperfab.documents.material import (
@@ -103,7 +103,8 @@ class SheetFit(WholeFit[Orthotropic]):
             stability=self._stability(name, own),
             tested=tested(own, self.setting),
             temperatures=self.constants(
-                lambda law: self._seen(law, name), lambda number: self._at(number, turned=name == "weft")
+                lambda law: self._seen(law, name),
+                lambda number: self.at(number, self._certainty(number, turned=name == "weft")),
             ),
         )
 
@@ -117,33 +118,14 @@ class SheetFit(WholeFit[Orthotropic]):
     def _figures(self, curves: Sequence[TestCurve], turned: bool = False) -> FitFigures:
         groups = {mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)}
         figures = self.figures_of(curves, groups, (1.0,))
-        self._sure(figures, self.reference, turned)
+        with_certainty(figures, self._certainty(self.reference, turned), self.fitted_at(self.reference))
         if figures.uncertainty is not None:
             figures.uncertainty.next_specimen = next_specimens(curves) or None
         return figures
 
-    def _at(self, number: int, turned: bool) -> FitFigures | None:
-        """Return the figures at one of the temperatures."""
-        total = self.error(self._fitted_at(number))
-        if total is None:
-            return None
-        figures = FitFigures(**vars(total))
-        self._sure(figures, number, turned)
-        return figures
-
-    def _fitted_at(self, number: int) -> list[TestCurve]:
-        return [c for c in self.setting.used(self.curves) if c.is_at(self.temperatures[number])]
-
-    def _sure(self, figures: FitFigures, number: int, turned: bool) -> None:
-        """Note how sure the constants at one of the temperatures are."""
-        curves = self._fitted_at(number)
-        sure = _certainty(self.optima[number], curves, turned)
-        figures.parameters_sd = deviations(sure)
-        figures.uncertainty = uncertainty(sure, len({specimen_of(curve) for curve in curves}))
-        if np.isfinite(sure.correlation).all():
-            figures.correlation = sure.correlation.tolist()
-        if np.isfinite(sure.condition_number):
-            figures.condition_number = sure.condition_number
+    def _certainty(self, number: int, turned: bool) -> Certainty:
+        """Return how sure the constants at one of the temperatures are, of the sheet ``turned`` by a quarter."""
+        return _certainty(self.optima[number], self.fitted_at(number), turned)
 
     def _weighted(self, curves: Sequence[TestCurve]) -> float:
         if not self.setting.relative:
@@ -179,7 +161,8 @@ class SheetFit(WholeFit[Orthotropic]):
             temperature_degC=self.temperatures[self.reference],
             directions={name: self.direction(name) for name in self.directions} or None,
             temperatures=self.constants(
-                lambda law: dict(law.parameters), lambda number: self._at(number, turned=False)
+                lambda law: dict(law.parameters),
+                lambda number: self.at(number, self._certainty(number, turned=False)),
             ),
             fit=self._figures(self.curves),
             stability=self._stability(None, self.curves),

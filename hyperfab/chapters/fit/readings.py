@@ -168,7 +168,6 @@ def gather(
         found.preparation.append(
             "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
         )
-    found.preparation += _contractions(found.curves)
     return found
 
 
@@ -254,8 +253,8 @@ def _without_zeros(curve: TestCurve, left_out: Counter[str], noise: float | None
     return curve.take(np.flatnonzero(~bad)) if bad.any() else curve
 
 
-def _contractions(curves: Sequence[TestCurve]) -> list[str]:
-    """Say how much the uniaxial specimens contract, where it was measured."""
+def contractions(curves: Sequence[TestCurve], fitted: bool) -> list[str]:
+    """Say how much the uniaxial specimens contract, where it was measured, and whether that is ``fitted``."""
     told = []
     measured = [curve for curve in curves if curve.mode == "uniaxial" and curve.stretch2 is not None]
     for direction in dict.fromkeys(curve.direction_name for curve in measured):
@@ -266,6 +265,6 @@ def _contractions(curves: Sequence[TestCurve]) -> list[str]:
             where = f" along the {direction}" if direction else ""
             told.append(
                 f"measured contraction{where}: lateral stretch = stretch^{float(along @ across / (along @ along)):.3f} "
-                "(-0.5 keeps the volume); it takes no part in the fit"
+                f"(-0.5 keeps the volume){'' if fitted else '; it takes no part in the fit'}"
             )
     return told

@@ -10,7 +10,8 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.identify import Setting, compared, nearest
+from hyperfab.chapters.fit.describe import deviations, uncertainty
+from hyperfab.chapters.fit.identify import Setting, compared, nearest, specimen_of
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
@@ -23,7 +24,7 @@ from hyperfab.documents.material import (
     Unpredicted,
 )
 from hyperfab.errors import InputError
-from hyperfab.materials.identification.quality import Figures, figures
+from hyperfab.materials.identification.quality import Certainty, Figures, figures
 
 #: The stresses at the rows of a curve along both of its axes, and the stretch across of a uniaxial test.
 Answer = tuple[Array, Array | None, Array | None]
@@ -124,6 +125,16 @@ class WholeFit(ABC, Generic[EnergyT]):
             raise InputError("the law has no finite stress on these rows", file=curves[0].source)
         return FitFigures(**vars(total), tests=tests)
 
+    def fitted_at(self, number: int) -> list[TestCurve]:
+        """Return the curves that were fitted at one of the temperatures."""
+        return [c for c in self.setting.used(self.curves) if c.is_at(self.temperatures[number])]
+
+    def at(self, number: int, sure: Certainty) -> FitFigures | None:
+        """Return the figures at one of the temperatures, and how sure its constants are; None without a stress."""
+        curves = self.fitted_at(number)
+        total = self.error(curves)
+        return None if total is None else with_certainty(FitFigures(**vars(total)), sure, curves)
+
     def refuse_unstable(self, name: str, instead: str) -> None:
         """InputError where a stable law was asked for and this one, ``name``, is not; ``instead`` is a way out."""
         if self.setting.stable and not self.stable:
@@ -132,3 +143,14 @@ class WholeFit(ABC, Generic[EnergyT]):
                 file=self.curves[0].source,
                 remedy=f"leave --stable out, or {instead}",
             )
+
+
+def with_certainty(figures: FitFigures, sure: Certainty, curves: Sequence[TestCurve]) -> FitFigures:
+    """Return the figures with how sure the constants are that ``curves`` told."""
+    figures.parameters_sd = deviations(sure)
+    figures.uncertainty = uncertainty(sure, len({specimen_of(curve) for curve in curves}))
+    if np.isfinite(sure.correlation).all():
+        figures.correlation = sure.correlation.tolist()
+    if np.isfinite(sure.condition_number):
+        figures.condition_number = sure.condition_number
+    return figures

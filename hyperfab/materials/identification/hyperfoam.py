@@ -12,6 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, Rows
 from hyperfab.materials.identification.linear import least_in_box
+from hyperfab.materials.identification.scatter import Weighed
 
 #: Stresses over the largest one measured, at most.
 _MU = 30.0
@@ -19,6 +20,8 @@ _MU = 30.0
 _STARTS, _ROWS, _POLISHED = 48, 40, 3
 #: How near to its bound a ratio has run to it.
 _END = 1e-3
+#: A stress over the largest one measured that is none.
+_NO_TERM = 1e-8
 #: What the square sum of signed terms and negative ratios counts beside that of positive ones.
 _DEARER = 1.05
 
@@ -48,6 +51,29 @@ def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = No
     _, law = min(best, key=lambda one: one[0])
     order = sorted(range(terms), key=lambda i: -law.alpha[i])
     return Hyperfoam(*(tuple(values[i] for i in order) for values in (law.mu, law.alpha, law.nu)))
+
+
+def optimum(law: Hyperfoam, tests: Sequence[TestCurve], kept: bool = False) -> tuple[tuple[str, ...], Weighed]:
+    """Return the names of the constants of ``law`` that ``tests`` moved, and the weighted equations there by them.
+
+    Those that ended where they may go no further are held, and where exponents and ratios were ``kept`` these are too.
+    The curve of each row is the number of its test.
+    """
+    sought, terms = _Sought(tests, len(law.mu)), len(law.mu)
+    z, (low, high) = sought.vector(law), sought.bounds(min(*law.mu, *law.nu) < 0.0)
+    room = np.repeat([_NO_TERM, *(_END * (end[1] - end[0]) for end in (ALPHAS, RATIOS))], terms)
+    free = (z > low + room) & (z < high - room) & (np.arange(3 * terms) < (terms if kept else 3 * terms))
+    residual, jacobian = sought.equations(law)
+    model, curve = [], []
+    for k, one in enumerate(tests):
+        read = [one.stress * one.weights, *([] if one.contraction is None else [np.full(len(one.stress), np.nan)])]
+        model += read
+        curve.append(np.full(sum(map(len, read)), k))
+    stress = residual + np.concatenate(model)  # of a stretch across there is none
+    fields = [(f"mu{i + 1}_MPa", f"alpha{i + 1}", f"nu{i + 1}") for i in range(terms)]
+    names = np.array(fields).T.ravel()[free]
+    by_constant = jacobian / np.repeat([sought.scale, 1.0, 1.0], terms)
+    return tuple(names.tolist()), Weighed(by_constant[:, free], residual, np.nan_to_num(stress), np.concatenate(curve))
 
 
 def nearest_foam(own: Mapping[str, float], tests: Sequence[TestCurve]) -> dict[str, float]:
@@ -83,6 +109,12 @@ class _Sought:
         mu, alpha, nu = z.reshape(3, self.terms).tolist()
         return Hyperfoam(tuple(self.scale * one for one in mu), tuple(alpha), tuple(nu))
 
+    def bounds(self, signed: bool) -> tuple[Array, Array]:
+        """Return the least and the greatest of z; ``signed``: terms of either sign, and ratios below zero."""
+        # A single term below zero is no foam.
+        low = (-_MU if signed and self.terms > 1 else 0.0, ALPHAS[0], RATIOS[0] if signed else 0.0)
+        return np.repeat(low, self.terms), np.repeat([_MU, ALPHAS[1], RATIOS[1]], self.terms)
+
     def drawn(self, random: np.random.Generator, signed: bool) -> Array:
         mu = np.exp(random.normal(-1.0, 1.0, self.terms))
         mu = mu * (random.choice([1.0, 1.0, -1.0], self.terms) if signed and self.terms > 1 else 1.0)
@@ -105,10 +137,7 @@ class _Sought:
 
     def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
         """Return the optimum near a start, and half its square sum."""
-        # A single term below zero is no foam.
-        bounds = (-_MU if signed and self.terms > 1 else 0.0, ALPHAS[0], RATIOS[0] if signed else 0.0)
-        least = np.repeat(bounds, self.terms)
-        most = np.repeat([_MU, ALPHAS[1], RATIOS[1]], self.terms)
+        least, most = self.bounds(signed)
         inside = np.clip(start, least + 1e-9, most - 1e-9)
         scale = np.repeat([0.3, 5.0, 0.1], self.terms)
         found, cost = least_in_box(lambda z: self.equations(self.law(z)), inside, (least, most), steps, scale)

@@ -70,15 +70,18 @@ def by_readings(fit: Weighed, basis: Array, spread: Array) -> Array:
     How much is hardly sure. For each rho that may be, what is left tells the variance, less what the fit takes of it;
     how likely it is, the correlation of neighbours in what is left, which scatters by ``(1 - rho^2)/n`` (Bartlett 1946,
     Suppl. J. R. Stat. Soc. 8, 27, doi:10.2307/2983611). Each constant's interval of 1.96 standard deviations covers
-    95 % of what all of them leave open. Not a number where there are no more readings than constants.
+    95 % of what all of them leave open. Not a number where there are no more readings than constants. Widths that were
+    read beside the stresses err by a share of their own.
     """
     rows, count = basis.shape
     together = np.diff(fit.curve) == 0
     pairs, squares = np.count_nonzero(together), float(fit.residual @ fit.residual)
     if rows <= count:
         return np.full((len(spread), len(spread)), np.nan)
-    beside = _neighbours(np.column_stack([basis, fit.residual]), together)
-    seen = float(fit.residual @ beside[:, count]) / max(squares, 1e-300)
+    share = _shares(fit, basis)
+    basis, left = basis * share[:, None], fit.residual / share
+    beside = _neighbours(np.column_stack([basis, left]), together)
+    seen = float(left @ beside[:, count]) / max(float(left @ left), 1e-300)
     likely, freedom = np.zeros(_TRIED), np.empty(_TRIED)
     found = np.empty((_TRIED, len(spread), len(spread)))
     for k, rho in enumerate(np.tanh(np.linspace(0.0, np.arctanh(_MOST_ALIKE), _TRIED))):
@@ -101,6 +104,21 @@ def by_readings(fit: Weighed, basis: Array, spread: Array) -> Array:
         low, high = np.where(beyond, middle, low), np.where(beyond, high, middle)
     wider = high / ndtri(_LEVEL) / sd[best]
     return np.asarray(found[best] * np.outer(wider, wider))
+
+
+def _shares(fit: Weighed, basis: Array) -> Array:
+    """Return how far each row (rows,) errs beside the rms of all: those that are stresses, and those that are none,
+    each by what it leaves, where it leaves enough to tell."""
+    squares = float(fit.residual @ fit.residual)
+    if squares == 0.0:
+        return np.ones(len(basis))
+    found = np.full(len(basis), np.sqrt(squares / (len(basis) - basis.shape[1])))
+    for own in (fit.model != 0.0, fit.model == 0.0):
+        kept = np.count_nonzero(own) - float(np.sum(basis[own] ** 2))
+        if kept >= _FEWEST:
+            found[own] = np.sqrt(float(fit.residual[own] @ fit.residual[own]) / kept)
+    found = np.maximum(found, _NO_SAY * found.max())
+    return np.asarray(found / np.sqrt(np.mean(found**2)))
 
 
 def _neighbours(values: Array, together: Flags) -> Array:
