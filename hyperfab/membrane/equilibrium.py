@@ -333,13 +333,11 @@ class Press:
             step = self._solve(self._factor(system), right)
         except SingularMatrixError as error:
             raise NoEquilibriumError(f"the stiffness is singular ({error})") from error
-        nodes, near = system.nodes, system.near
-        normal = near.normal[nodes]
+        nodes, near, normal = system.nodes, system.near, system.near.normal[system.nodes]
         change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
         pressed = (system.terms.force * normal).sum(axis=1) + change
         step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
-        part = self._part_that_descends(depth, places, system, step, careful) if careful else 1.0
-        step *= part
+        step *= (part := self._part_that_descends(depth, places, system, step, careful) if careful else 1.0)
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
         chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable
@@ -348,16 +346,19 @@ class Press:
 
     def _is_slack(self, system: _Linearised) -> bool:
         """Whether the sheet carries nothing and the punch is nowhere inside it."""
-        volume = self.sheet.thickness * float(self.sheet.mesh.weights.sum())
-        carried = system.sheet.energy / (self.sheet.modulus * volume)
         # A law that is not stable has less energy than none where it is stretched far.
-        return abs(carried) < _SLACK_ENERGY and float(system.near.gap.min()) > -_GAP_TOLERANCE
+        return abs(system.sheet.energy) < self._no_energy and float(system.near.gap.min()) > -_GAP_TOLERANCE
+
+    @property
+    def _no_energy(self) -> float:
+        return _SLACK_ENERGY * self.sheet.modulus * self.sheet.thickness * float(self.sheet.mesh.weights.sum())
 
     def _part_that_descends(self, depth: float, places: Array, system: _Linearised, step: Array, grip: Grip) -> float:
         """Return the part of a step (1, 1/2, 1/4, ...) that lowers the energy and what contact counts beside it."""
         up, force, normal = np.array([0.0, 0.0, depth]), system.terms.force, system.near.normal[system.nodes]
         beside = partial(counted, grip, system.nodes, force, normal)
-        now, part = system.sheet.energy + beside(places - up, system.near), 1.0
+        # In a sheet that carries nothing there is nothing to lower, and nodes are still to come out of the punch.
+        now, part = max(system.sheet.energy + beside(places - up, system.near), self._no_energy), 1.0
         while part > _SMALLEST_PART:
             moved = places + part * step
             energy = self.sheet.energy(moved) / self.sheet.mesh.copies

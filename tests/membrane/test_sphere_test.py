@@ -199,6 +199,15 @@ def test_a_sheet_that_hangs_is_nowhere_stretched(shape, order):
     assert hung_over(press.sheet, press.punch, 40.0) is None
 
 
+def test_nodes_come_out_of_the_punch_where_the_sheet_carries_nothing():
+    """With no energy to lower every step is taken whole, and the sheet hangs over the punch after a few."""
+    law = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
+    _, path = rough_path(SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0, 0.97, mesh_size=20.0), [22.5])
+    assert (path.failures, len(path.footings)) == (0, 1)
+    assert path.states[0].force == 0.0
+    assert path.iterations < 20
+
+
 def test_a_hair_of_slack_is_none():
     force = (
         _press("neo-hookean", [40.0], shape=outline.Square(200.0, quarter=True), prestretch=0.9999)
