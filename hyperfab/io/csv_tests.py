@@ -27,6 +27,7 @@ from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_
 from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.sizes_of_rows import parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
+from hyperfab.numerics.hygiene import turns
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
@@ -126,6 +127,9 @@ def _read_sheet(
     for (kind, direction, specimen), rows in groups.items():
         loading = loadings[kind]
         curve = replace(loading.curve, lines=lines, **known).take(rows)
+        if _is_table_from_its_end(curve):
+            curve = curve.take(slice(None, None, -1))
+            notes.append("a table from its longest stretch through rest, without a time: read from its other end")
         part = TestData(
             **{
                 **vars(curve),
@@ -150,6 +154,15 @@ def _read_sheet(
     line = understood(sheet, [*used, *rows_of])
     chosen = tuple(one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings)) is not None)
     return [replace(part, understood=line, chosen=chosen) for part in found]
+
+
+def _is_table_from_its_end(curve: TestCurve) -> bool:
+    """Whether rows fall through rest, once, with no word of when they were read: no test begins where it is stretched
+    most."""
+    if curve.mode == "biaxial-general" or any(one is not None for one in (curve.time_s, curve.branch, curve.cycle)):
+        return False
+    first, last = float(curve.principal[0]), float(curve.principal[-1])
+    return first > 1.0 > last and len(turns(np.log(np.maximum(curve.principal, 1e-12)))) == 1
 
 
 #: Columns that tell something of a row, by the field they fill.

@@ -14,6 +14,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import layout
 from hyperfab.io.specimen import Geometry
+from hyperfab.numerics.hygiene import branches
 
 PLAIN = (
     "# test: uniaxial\nstretch [-],stress [MPa],temperature [degC]\n"
@@ -365,3 +366,25 @@ def test_every_double_survives_every_dialect(
 def test_what_no_fabric_ever_showed_is_a_wrong_unit(row: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         one(f"stretch,stress [MPa]\n1.1,0.1\n{row}\n", test="uniaxial")
+
+
+def test_a_table_from_its_far_end_through_rest_is_read_from_the_other() -> None:
+    """Nothing in it unloads; where times stand beside it, it is what was done."""
+    rows = [(-0.2, -0.54), (-0.1, -0.15), (0.05, 0.06), (0.1, 0.13), (0.19, 0.5)]
+
+    def read(rows: list[tuple[float, ...]], head: str) -> TestData:
+        text = f"# test: simple-shear\n{head}\n" + "".join(",".join(map(str, row)) + "\n" for row in rows)
+        [found] = read_tests(text.encode(), "shear.csv")
+        return found
+
+    head = "shear strain [-],shear stress [kPa]"
+    found = read(rows, head)
+    assert found.stretch.tolist() == [-0.19, -0.1, -0.05, 0.1, 0.2]  # the farther way is the positive one
+    assert found.lines.tolist() == [7, 6, 5, 4, 3]
+    assert branches(found.principal).tolist() == [1, 1, 1, 1, 1]
+    assert any("other end" in note for note in found.notes)
+    timed = read([(*row, 1.0 + k) for k, row in enumerate(rows)], head + ",time [s]")
+    assert timed.lines.tolist() == [3, 4, 5, 6, 7]
+    assert branches(timed.principal).tolist() == [-1, -1, -1, 1, 1]
+    there_and_back = read([*rows, (0.0, 0.0), (-0.2, -0.5)], head)
+    assert there_and_back.lines.tolist() == [3, 4, 5, 6, 7, 8, 9]
