@@ -27,12 +27,13 @@ from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_
 from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.sizes_of_rows import parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
-from hyperfab.numerics.hygiene import turns
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
 #: A stress of fewer different values than this share of those of the force beside it was rounded.
 _ROUNDED = 0.25
+#: A way of which this share leads from end to end does not turn.
+_ONE_WAY = 0.8
 
 
 @dataclass(frozen=True)
@@ -161,8 +162,9 @@ def _is_table_from_its_end(curve: TestCurve) -> bool:
     most."""
     if curve.mode == "biaxial-general" or any(one is not None for one in (curve.time_s, curve.branch, curve.cycle)):
         return False
-    first, last = float(curve.principal[0]), float(curve.principal[-1])
-    return first > 1.0 > last and len(turns(np.log(np.maximum(curve.principal, 1e-12)))) == 1
+    way = curve.principal
+    falls = way[0] - way[-1] > _ONE_WAY * float(np.abs(np.diff(way)).sum())
+    return bool(falls and way[0] > 1.0 > way[-1])
 
 
 #: Columns that tell something of a row, by the field they fill.
