@@ -51,8 +51,8 @@ def _is_image(mold: Mold, axis: int) -> bool:
 
 @part
 def _edge_near(mold: Mold, slot: int, p: Array) -> int:
-    """Edge of a facet that p is nearest to, among those that turn."""
-    best, least = -1, np.inf
+    """Edge of a facet that p is on but for rounding, among those that turn; -1: none."""
+    best, least = -1, (10.0 * rounding(mold)) ** 2  # a node on an edge that does not turn is beside those that do
     for e in range(3):
         if abs(mold.turn[slot, e]) <= FLAT:
             continue
@@ -98,21 +98,19 @@ def _on_segment(a: Array, b: Array, p: Array) -> float:
 @part
 def _seated(mold: Mold, slot: int, feature: int, p: Array) -> int:
     """Put p, but for rounding on the image of another facet's ``feature``, onto that of ``slot``: which one it is."""
-    if feature == 0:
-        a, n = mold.corners[slot, 0], mold.normals[slot, 0]
-        off = (p[0] - a[0]) * n[0] + (p[1] - a[1]) * n[1] + (p[2] - a[2]) * n[2]
-        for k in range(3):
-            p[k] -= off * n[k]
-        return 0
-    if feature <= 3:
-        e = _edge_near(mold, slot, p)
-        if e < 0:
-            return 0
+    if feature > 3:
+        c = _corner_near(mold, slot, p)
+        copy(mold.corners[slot, c], p)
+        return 4 + c
+    e = _edge_near(mold, slot, p) if feature > 0 else -1
+    if e >= 0:
         _on_segment(mold.corners[slot, e], mold.corners[slot, (e + 1) % 3], p)
         return 1 + e
-    c = _corner_near(mold, slot, p)
-    copy(mold.corners[slot, c], p)
-    return 4 + c
+    a, n = mold.corners[slot, 0], mold.normals[slot, 0]
+    off = (p[0] - a[0]) * n[0] + (p[1] - a[1]) * n[1] + (p[2] - a[2]) * n[2]
+    for k in range(3):
+        p[k] -= off * n[k]
+    return 0
 
 
 @part

@@ -6,10 +6,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from cloth_molds import block, punch
 
-from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
+from hyperfab.cloth import Sheet, answers, drape, follow, mold_of, tabulate
+from hyperfab.cloth.balance import Balance
 from hyperfab.cloth.dynamic import swing
-from hyperfab.cloth.start import lowered
+from hyperfab.cloth.mold import FREE
+from hyperfab.cloth.start import lowered, settled
 from hyperfab.surface import Surface
 
 SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)
@@ -58,6 +61,27 @@ def test_a_sheet_on_a_cone_is_its_own_mirror_image(sections, half_angle, begin):
         assert found.converged, found.status
         assert answers(sheet, mold, found).cut.node <= 1e-9
         assert unevenness(found.state.x) < (1e-6 * sheet.spacing[0] if n % 2 else 1e-3), n
+
+
+@pytest.mark.parametrize("mold", [punch(32), block()])
+def test_nodes_on_edges_of_a_flat_top_stay_where_they_are(mold):
+    """Its triangles meet in edges that do not turn: a node on one is on no edge, let alone on the rim beyond."""
+    top = mold_of(mold)
+    for n in (40, 80):
+        sheet = Sheet(n, n, (220.0, 220.0), 1.0, SOFT, SOFT)
+        flat = settled(sheet.flat(), top, sheet)
+        balance = Balance(sheet, top, 1e-6)
+        balance.even(flat)
+        assert balance.mirrors == (0, 1)
+        assert (flat.contact != FREE).sum() > 10
+        np.testing.assert_allclose(flat.x, sheet.flat(), rtol=0.0, atol=1e-9)
+
+
+def test_a_sheet_rubs_on_a_block():
+    sheet = Sheet(30, 30, (220.0, 220.0), 1.0, SOFT, SOFT)
+    *_, rest = follow(sheet, mold_of(block()), np.array([10.0, 20.0]), 0.3)
+    assert rest.found.converged, rest.found.status
+    assert unevenness(rest.found.state.x) < 1e-3
 
 
 #: Sharp ridges and rims: two ways around an edge or corner alike lead nodes and springs in the plane to either side.
