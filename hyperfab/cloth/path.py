@@ -89,15 +89,22 @@ def follow(
     loaded = sheet.mass > 0.0
     flat = drape(clamped(sheet), mold, BETWEEN).state if loaded else settled(sheet.flat(), mold, sheet)
     rubbing = _rubbing(sheet, mold, flat, mu, 0.0)
-    found = equilibrium(sheet, mold, flat, tolerance, report=report, friction=rubbing)
+
+    def asked_for(height: float) -> bool:
+        return bool(np.isclose(wanted, height, rtol=0.0, atol=1e-9).any())
+
+    # Neither stretched nor loaded it is at rest but for rounding, of which no step makes less.
+    begun = not loaded and max(sheet.prestretch) <= 1.0 and not asked_for(0.0)
+    found = equilibrium(sheet, mold, flat, tolerance, 0 if begun else None, report, rubbing)
     rest = Rest(0.0, found, rubbing, 0.0, 0.0, 0.0, found.energy, 0)
     before, pace = flat, 0.0
-    if 0.0 in heights or (not found.converged and found.residual_relative > enough):
+    lost = not begun and not found.converged and found.residual_relative > enough
+    if 0.0 in heights or lost:
         yield rest
-    if not found.converged and found.residual_relative > enough:
+    if lost:
         return
     for height in heights[heights > 0.0]:
-        goal = tolerance if np.isclose(wanted, height, rtol=0.0, atol=1e-9).any() else max(tolerance, BETWEEN)
+        goal = tolerance if asked_for(height) else max(tolerance, BETWEEN)
         done, rise, halved = rest.height, height - rest.height, 0
         while done < height - 1e-9:
             step = min(rise, height - done)

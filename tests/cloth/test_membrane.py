@@ -258,3 +258,12 @@ def test_the_forces_of_laid_sides_are_derivatives_of_the_energy_and_the_tangent_
     error = np.abs(turned + (plus - minus) / (2 * h))
     error[on_top, 2] = 0.0
     assert error.max() < 1e-6 * np.abs(turned).max()
+
+
+def test_a_flat_sheet_that_rubs_begins_on_an_edge() -> None:
+    """The upper one of an icosahedron in single precision, which nodes are put onto: rounding, and no way on."""
+    solid = trimesh.creation.icosphere(0, 40.0)
+    points = (solid.vertices - [0.0, 0.0, solid.vertices[:, 2].max()]).astype(np.float32)
+    mold = mold_of(Surface(points.astype(float), solid.faces))
+    *_, rest = follow(membrane(61, 61, LAWS["orthotropic"], (220.0, 220.0)), mold, np.array([5.0]), 0.3)
+    assert (rest.height, rest.found.converged) == (5.0, True)
