@@ -208,6 +208,8 @@ def contact_front(mesh: SheetMesh, place: Array, touching: Flags, gap: Array) ->
                 np.add.at(seen, mesh.elements[:, end], 1.0)
                 np.add.at(votes, mesh.elements[:, end], touching[mesh.elements[:, local]])
         inside[: mesh.corners] = votes > 0.5 * seen
+        if not inside.any():  # a tip, and no side beside it
+            inside = touching.copy()
     root = np.sqrt(np.maximum(gap, 0.0))
     part = np.empty((len(corners), 3))
     for side, (a, b) in enumerate(_SIDES):

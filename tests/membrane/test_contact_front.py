@@ -52,10 +52,12 @@ def test_two_patches_are_both_inside_and_what_lies_between_is_not():
     assert front.beyond(at) == pytest.approx([0.0, 0.0, 10.0, 18.0], abs=1.0)
 
 
-def test_a_single_node_is_a_contact_without_an_edge():
+@pytest.mark.parametrize("first", [True, False])  # a corner of elements, as on the tip of a cone, or a side's middle
+def test_a_single_node_is_a_contact_without_an_edge(first):
     mesh = meshed(8.0)
     touching = np.zeros(len(mesh.nodes), bool)
-    touching[np.argmin(np.hypot(*mesh.nodes.T))] = True
+    alike = np.arange(len(mesh.nodes)) < mesh.corners
+    touching[np.argmin(np.where(alike == first, np.hypot(*mesh.nodes.T), np.inf))] = True
     front = contact_front(mesh, mesh.nodes, touching, np.where(touching, 0.0, 1.0))
     assert len(front.points()) >= 1
     assert np.hypot(*front.points().T).max() < 8.0
