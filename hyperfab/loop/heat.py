@@ -13,7 +13,7 @@ from hyperfab.loop.catalogue.heat import FARTHEST_K, FASTEST_K_S, DataContext, e
 from hyperfab.loop.problem import Constant, Curve, Extra, Form, Problem, split
 from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.sensors import as_shown, lagging
-from hyperfab.thermal.settings import Settings
+from hyperfab.thermal.settings import Settings, air_drift
 from hyperfab.thermal.tables import Table
 
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
@@ -78,15 +78,32 @@ class HeatProblem(Problem):
         return self._run(own[None, :], [terms])[0]
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
-        """Return by how much the air would drift farther or faster than that of a room."""
+        """Return by how much the air would drift farther or faster than that of a room, and specific heat fall."""
+        return {**self._of_room(terms), **self._of_solids(terms)}
+
+    def _of_solids(self, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much the specific heat falls at the highest temperature, as a share within the rise of it."""
+        amounts = self.amounts({name: term for name, term in terms.items() if name == "property-drift"})
+        if "capacity_per_K2" not in amounts:
+            return {}
+        rise = float(np.ptp(self.measured))
+        slope = amounts.get("capacity_per_K", 0.0) + 2.0 * amounts["capacity_per_K2"] * rise
+        return {"how far specific heat falls": max(-slope * rise, 0.0)}
+
+    def _of_room(self, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         if "ambient-drift" not in terms:
             return {}
-        drift = np.polynomial.Polynomial([0.0, *terms["ambient-drift"][1]])
+        amounts = self.amounts({"ambient-drift": terms["ambient-drift"]})
+        swing = float(np.hypot(amounts.pop("ambient_sin_K", 0.0), amounts.pop("ambient_cos_K", 0.0)))
+        period = amounts.get("ambient_period_s", np.inf)
         clock = np.linspace(0.0, float(self.runs[0].times[-1]), 33)
-        far, fast = np.max(np.abs(drift(clock))), np.max(np.abs(drift.deriv()(clock)))
+        drift = air_drift(lambda name: amounts.get(name, 0.0), clock)
+        far, fast = np.max(np.abs(drift)), np.max(np.abs(np.gradient(drift, clock, edge_order=2)))
+        # A sine is steeper where it is steepest than what it stands for: from one end of a swing to the other counts.
+        far, fast = float(far) + swing, float(fast) + 4.0 * swing / period
         return {
-            "how far the air drifts": max(float(far) / FARTHEST_K - 1.0, 0.0),
-            "how fast the air drifts": max(float(fast) / FASTEST_K_S - 1.0, 0.0),
+            "how far the air drifts": max(far / FARTHEST_K - 1.0, 0.0),
+            "how fast the air drifts": max(fast / FASTEST_K_S - 1.0, 0.0),
         }
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
@@ -126,8 +143,11 @@ class HeatProblem(Problem):
         """Return how many times better the opened joints conduct over the first run than at the mold's start."""
         mold = self.runs[0].mold
         clock, mean, settings = self._read(mold.mean[None, :], own, terms)
-        above = mean[:, 0] - mold.reference_degC
-        return Table(clock, 1.0 + np.maximum(settings.of(0, "joint_per_K") * above, -0.95))
+        # It turns where it has closed.
+        at = np.union1d(clock, np.clip(settings.of(0, "joint_tightens_s"), clock[0], clock[-1]))
+        above = np.interp(at, clock, mean[:, 0]) - mold.reference_degC
+        warm = 1.0 + np.maximum(settings.of(0, "joint_per_K") * above, -0.95)
+        return Table(at, warm * settings.closes(0, at))
 
     def temperatures(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> tuple[Array, Array]:
         """Return the temperatures [degC] over the first run at which films and materials are read, row by row of time:

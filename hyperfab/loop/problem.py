@@ -50,7 +50,7 @@ class Form:
     ``shared`` in number. ``free``: its amount is
     a smooth function of what the effect rides on, by a few values; it is tried for names that stand, or might, where
     no formula leaves noise. ``takes_over``: beside its constants the model's own may be next to nothing; a fit begins
-    there too.
+    there too. ``screened``: it is fitted only where its ``probes`` point at what is left, for its fit takes long.
     """
 
     name: str
@@ -62,6 +62,7 @@ class Form:
     shared: int = 0
     free: bool = False
     takes_over: bool = False
+    screened: bool = False
 
     @property
     def null(self) -> tuple[float, ...]:
@@ -120,7 +121,8 @@ class Effect:
     ``shown_by`` is the measurement that would tell it from its look-alikes; ``smooth`` whether a too poor smooth law
     could pass for it (its score is then taken off a space of smooth curves). ``not_sought`` says why an entry is left
     out: the model has it, or the data lack what it shows on. ``of_document``: it says that a document is wrong in what
-    it states, not that the model lacks something; so may the model's own constants be, as far off.
+    it states, not that the model lacks something; so may the model's own constants be, as far off. ``added``: its
+    constants come on top of what the model may have of it already.
     """
 
     id: str
@@ -131,6 +133,7 @@ class Effect:
     smooth: bool = False
     not_sought: str = ""
     of_document: bool = False
+    added: bool = False
 
     def form(self, name: str) -> Form:
         """Return the form of that name."""

@@ -63,10 +63,7 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                 value = problem.predict(own, {**terms, effect.id: (form.name, np.array(probe))})
                 if not np.all(np.isfinite(value)):
                     continue
-                imprint = np.zeros(len(basis))
-                imprint[: len(value)] = noise.whiten(value - fit.predicted)
-                total = float(imprint @ imprint)
-                left = imprint - basis @ (basis.T @ imprint)
+                total, left = beside(basis, noise.whiten(value - fit.predicted))
                 length = float(left @ left)
                 seen = length > _VISIBLE * total or (
                     length > _TOLD * total and np.sqrt(length) * _begins(form, probe) > _STANDS_OUT
@@ -82,6 +79,13 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                     robust = float(bare @ residual) / np.sqrt(rest) if rest > 1e-3 * length else 0.0
                 found.append(Signature(effect, form, probe, left / size, length / total, size, z, robust))
     return found
+
+
+def beside(basis: Array, imprint: Array) -> tuple[float, Array]:
+    """Return the square of a whitened ``imprint`` on the readings, and what of it the ``basis`` cannot imitate."""
+    whole = np.zeros(len(basis))
+    whole[: len(imprint)] = imprint
+    return float(whole @ whole), whole - basis @ (basis.T @ whole)
 
 
 def _begins(form: Form, probe: tuple[float, ...]) -> float:

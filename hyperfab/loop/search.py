@@ -15,6 +15,7 @@ from hyperfab.loop.noise import Noise, with_misfit
 from hyperfab.loop.problem import Curve, Effect, Form, Problem
 from hyperfab.loop.replicates import pulls
 from hyperfab.loop.score import points_at
+from hyperfab.loop.screen import refining, worth_a_fit
 from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL, TOLD, UNLIKELY
 from hyperfab.numerics.gram import inverse
 
@@ -107,7 +108,9 @@ class Search:
             (
                 form
                 for form in effect.forms
-                if form.name in rank and (form.refines is None or len(form.constants) <= most)
+                if form.name in rank
+                and (form.refines is None or len(form.constants) <= most)
+                and worth_a_fit(self.problem, state.fit, form, state.found)
             ),
             key=lambda form: -rank[form.name],
         )
@@ -128,14 +131,10 @@ class Search:
     def _refined(self, parent: Fit, effect: Effect, best: Fit, most: int) -> Fit:
         """Return the best of a fit and the forms that refine its, unless it already leaves no more than noise."""
         while not self._is_spent(best):
-            name = best.forms[effect.id].name
             richer = [
                 found
-                for form in effect.forms
-                if form.enriches(name)
-                and not form.free
-                and len(form.constants) <= most
-                and (found := self.joint(parent, effect, form, best)) is not None
+                for form in refining(self.problem, self.noise, best, effect.id)
+                if len(form.constants) <= most and (found := self.joint(parent, effect, form, best)) is not None
             ]
             better = self.lowest([best, *richer])
             if better is best:
@@ -226,10 +225,8 @@ class Search:
         return [
             found
             for name in of or best.forms
-            for form in self.problem.effect(name).forms
-            if form.enriches(best.forms[name].name)
-            and form.free is free
-            and (found := self._enriched(best, name, form)) is not None
+            for form in refining(self.problem, self.noise, best, name, free=free)
+            if (found := self._enriched(best, name, form)) is not None
         ]
 
     def _enriched(self, parent: Fit, name: str, form: Form) -> Fit | None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -129,15 +130,23 @@ class ReducedMold:
             areas[below] *= self.bench.uneven(settings.of(i, "bench_from_middle", "bench_along_x", "bench_along_y"))
             numbers = Numbers(*map(float, settings.of(i, *Numbers._fields)))
             drift = settings.air_K(i, stages)
+            joint, leaps, tight = settings.joint[i], jumps, closed
+            if np.any(settings.of(i, "joint_closes", "joint_tightens")):
+                # As a joint of the document is that closes over time.
+                share = np.ascontiguousarray(settings.closes(i, stages)[..., None])
+                joint, leaps = np.append(joint, 1.0), np.concatenate([jumps, joined[None]])
+                tight, joined = np.concatenate([closed, share], axis=2), np.zeros_like(joined)
+            changing = settings.of(i, "capacity_per_K", "capacity_per_K2", "conductivity_per_K")
+            mold, of = (self, self.materials) if np.any(changing) or self.changes.shape[2] > 1 else self._of_kinds
             parts = Parts(
-                settings.capacity[i, self.materials][:, None, None] * self.mass,
-                settings.conductivity[i, self.materials][:, None, None] * self.stiffness,
-                self.means,
-                self.changes,
+                settings.capacity[i, of][:, None, None] * mold.mass,
+                settings.conductivity[i, of][:, None, None] * mold.stiffness,
+                mold.means,
+                mold.changes,
                 joined,
-                settings.joint[i],
-                jumps,
-                closed,
+                joint,
+                leaps,
+                tight,
                 self.mean,
             )
             around = Faces(
@@ -172,6 +181,17 @@ class ReducedMold:
     def stored(self, coordinates: Array) -> Array:
         """Return the heat in each zone (zones,) [J], counted from 0 degC, of materials that do not change."""
         return np.asarray(self.mass[:, 0] @ coordinates / self.basis[0, 0])  # the first of the basis is uniform
+
+    @cached_property
+    def _of_kinds(self) -> tuple[ReducedMold, Ints]:
+        """The mold with all zones of a material as one, and which each is of: where none changes they go together."""
+        of = np.arange(self.kinds)
+        mass, stiffness = (
+            np.stack([matrix[self.materials == kind].sum(axis=0) for kind in of])
+            for matrix in (self.mass, self.stiffness)
+        )
+        means, changes = self.means[: len(of)], self.changes[:, : len(of)]
+        return replace(self, mass=mass, stiffness=stiffness, means=means, changes=changes), of
 
     @property
     def kinds(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -107,10 +107,11 @@ class Settings:
     - ``lost``, ``lost_per_K``, ``lost_per_K2`` shares of the power, ``back_W_K`` lost while it is on, ``wire_per_K`` by
       which the heater's wire resists more at the same voltage;
     - ``conductivity_per_K``, ``capacity_per_K``, ``capacity_per_K2``;
-    - ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``;
+    - those of ``air_drift``;
     - ``exponent`` of a film coefficient in its temperature difference;
     - ``joint_from_middle``, ``joint_along_x``, ``joint_along_y`` over the opened joints, ``joint_per_K`` by which they
-      conduct better.
+      conduct better, ``joint_closes`` the share by which they do once they have closed, the slower the longer it
+      takes, by ``joint_closes_s``; ``joint_tightens`` the same evenly, within ``joint_tightens_s``.
     """
 
     film: Array
@@ -129,6 +130,29 @@ class Settings:
 
     def air_K(self, run: int, times: Array) -> Array:
         """Return by how much the ambient of each face is off at ``times`` [s]: one more axis."""
-        slope, bend, twist = self.of(run, "ambient_per_s", "ambient_per_s2", "ambient_per_s3")
-        drift = ((twist * times + bend) * times + slope) * times
+        drift = air_drift(lambda name: float(self.of(run, name)[0]), times)
         return np.asarray(drift[..., None] + self.ambient_K[run])
+
+    def closes(self, run: int, times: Array) -> Array:
+        """Return how many times better the opened joints of one run conduct at ``times`` [s] than at the start."""
+        share, slow = self.of(run, "joint_closes", "joint_closes_s")
+        more, within = self.of(run, "joint_tightens", "joint_tightens_s")
+        past = np.maximum(times, 0.0)
+        closed = -np.expm1(-past / max(slow, 1e-9))
+        return np.asarray(1.0 + share * closed + more * np.minimum(past / max(within, 1e-9), 1.0))
+
+
+def air_drift(of: Callable[[str], float], times: Array) -> Array:
+    """Return by how much [K] the ambient has moved at ``times`` [s], of amounts by their names.
+
+    A cubic of ``ambient_per_s``, ``ambient_per_s2``, ``ambient_per_s3``, and a swing of ``ambient_sin_K`` and
+    ``ambient_cos_K`` with the period ``ambient_period_s``.
+
+    >>> swing = {"ambient_sin_K": 2.0, "ambient_cos_K": 1.0, "ambient_period_s": 4.0}
+    >>> air_drift(lambda name: swing.get(name, 0.0), np.array([0.0, 1.0, 2.0])).round(12).tolist()
+    [0.0, 1.0, -2.0]
+    """
+    slope, bend, twist = (of(f"ambient_per_s{power}") for power in ("", "2", "3"))
+    angle = times * (2.0 * np.pi / max(of("ambient_period_s"), 1e-9))
+    swing = of("ambient_sin_K") * np.sin(angle) + of("ambient_cos_K") * (np.cos(angle) - 1.0)
+    return np.asarray(((twist * times + bend) * times + slope) * times + swing)

@@ -16,6 +16,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.toml_io import dump_toml
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.heat import HeatProblem
+from hyperfab.thermal.settings import air_drift
 from hyperfab.thermal.tables import Table
 
 _UNEVEN = "{}, for which a mold document has no key; the extended model has the mean throughout"
@@ -134,9 +135,9 @@ class _Wider:
         return self.amounts.get(place, 0.0)
 
     @property
-    def rates(self) -> list[float]:
-        """How the ambient moves, in powers of time from the first on [K/s, K/s^2, K/s^3]."""
-        return [self.at(f"ambient_per_s{power}") for power in ("", "2", "3")]
+    def moves(self) -> bool:
+        """Whether the ambient was found to change with time."""
+        return any(name.startswith("ambient_") and name != "ambient_period_s" and v for name, v in self.amounts.items())
 
     def films(self) -> None:
         """Scale the film coefficients; one that rides on the temperature difference in another way is a table."""
@@ -154,7 +155,7 @@ class _Wider:
                 self.mold["convection"][index]["h"] = {"table": name}
 
         still = all(one.ambient.is_constant for one in self.reduced.films)
-        if exponent and (any(self.rates) or not still):
+        if exponent and (self.moves or not still):
             self.notes.append(
                 "convection-law: a film's table is over the temperature of the face; it is of the ambient at the start"
             )
@@ -241,16 +242,16 @@ class _Wider:
         """Return the ambient of a face of the document as it was found, and ``more`` [K] warmer."""
         given, air = getattr(self.document, kind)[index].ambient, self.faces[kind][index].ambient
         warmer = self.own.get("ambient", 0.0) + more
-        if not any(self.rates):
+        if not self.moves:
             if isinstance(given, float):
                 return f"{given + warmer!r} degC"
             if warmer == 0.0:
                 return self.given[kind][index]["ambient"]
         times = air.x
-        if any(self.rates):
+        if self.moves:
             clock = self.problem.runs[0].times
             times = np.union1d(air.x, np.linspace(min(0.0, float(clock[0])), float(clock[-1]), 101))
-        rise = sum(rate * times ** (k + 1) for k, rate in enumerate(self.rates))
+        rise = air_drift(self.at, times)
         table = _csv("time [s]", "temperature [degC]", times, air(times) + warmer + rise)
         # Faces in the same air share a table.
         same = (name for name, content in self.files.items() if content == table)
@@ -271,10 +272,11 @@ class _Wider:
             self.mold["contact"][index]["h"] = f"{h!r} W/m^2/K"
         opened = [self.amounts.get(f"resistance.{k}") for k in range(len(pairs))]
         best, own = 1.0, {}
-        if self.at("joint_per_K"):
+        if any(self.at(f"joint_{way}") for way in ("per_K", "closes", "tightens")):
             over = share()
             best, own = float(np.max(over.y)), {"schedule": ".joint.csv"}
             self.files[".joint.csv"] = _csv("time [s]", "contact [-]", over.x, over.y / best)
+        if self.at("joint_per_K"):
             self.notes.append(
                 f"contact-resistance: the joint conducts {100.0 * self.at('joint_per_K'):.3g} % better a kelvin, for "
                 "which a mold document has no key; the extended model has its conductance in this run as its schedule"

@@ -42,6 +42,7 @@ def frame_compliance(context: DataContext) -> Effect:
     compliance = Constant("compliance_mm_N", 0.0, 0.0, whole, 0.005 * whole, places=("frame",))
     return Effect(
         id="frame-compliance",
+        added=True,
         title="the machine yields with the load",
         shown_by="the depth read at the punch itself (a dial gauge), or force over depth against a rigid block",
         source="a linear spring in series",
@@ -54,6 +55,7 @@ def friction(context: DataContext) -> Effect:
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
     return Effect(
         id="friction",
+        added=True,
         title="the sheet rubs on the punch",
         not_sought="" if context.friction else "the model's sheet sticks to the punch where it touches",
         shown_by="the same test with the punch oiled, or powdered",
@@ -69,6 +71,7 @@ def pretension(context: DataContext) -> Effect:
     added = Constant("added_stretch", 0.0, -down, up, 0.005, places=("prestretch",))
     return Effect(
         id="pretension",
+        added=True,
         title="the sheet was mounted taut or slack",
         shown_by="the first tenth of the depth, read closely: a taut sheet resists at once, a slack one not at all",
         source="a rim held at a multiple of its place",

@@ -36,6 +36,7 @@ def friction(context: DataContext) -> Effect:
     mu = Constant("mu", 0.0, 0.0, max(context.friction, 1e-9), 0.05, places=("friction",))
     return Effect(
         id="friction",
+        added=True,
         title="the sheet rubs on the mold",
         shown_by="the same drape with the mold polished, or with a film of grease",
         source="Coulomb's law",
@@ -64,6 +65,7 @@ def pretension(context: DataContext) -> Effect:
     more = Constant("weft_more", 0.0, -up, up, 0.005, places=("weft more",))
     return Effect(
         id="pretension",
+        added=True,
         title="the sheet was mounted under tension",
         shown_by="the force of the press over the first tenth of its way; markers where the sheet hangs free",
         source="springs shorter than the mounted sheet",
@@ -82,6 +84,7 @@ def shear_stiffness(context: DataContext) -> Effect:
     form = Form("linear", (modulus,), ((0.1 * most,), (0.5 * most,)), ((0.03 * most,),))
     return Effect(
         id="shear-stiffness",
+        added=True,
         title="the fabric resists shear",
         shown_by="a bias test, cut at 45 degrees to the warp; or markers on the diagonals",
         source="energy of the angle between the threads, G gamma^2/2",

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 
 #: What the air of a room does: so far over a shift, with its doors, and so fast when it is heated or aired.
 FARTHEST_K, FASTEST_K_S = 20.0, 0.01
+#: Periods of a swing that are looked for, and times in which a joint closes, by a law of decay or evenly, as shares of
+#: the run.
+_SWINGS, _CLOSING, _EVENLY = (0.9, 0.4), (0.2, 0.04), (0.5, 0.2)
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,8 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
 
 
 def ambient_drift(context: DataContext) -> Effect:
-    """Surroundings that warm up or cool down during the run: ambient linear in time, quadratic, cubic."""
+    """Surroundings that warm up or cool down during the run: ambient linear in time, quadratic, cubic; or
+    that swing."""
     whole = context.duration_s
     most = min(FARTHEST_K / whole, FASTEST_K_S)
     far, step = 4.0 * most, 2.0 / whole
@@ -55,6 +60,14 @@ def ambient_drift(context: DataContext) -> Effect:
     bend = Constant("drift_K_s2", 0.0, -far, far, step, places=("ambient_per_s2",))
     far, step = 8.0 * most / whole**2, 2.0 / whole**3
     twist = Constant("drift_K_s3", 0.0, -far, far, step, places=("ambient_per_s3",))
+    # A swing of the day, or of a thermostat in the hall.
+    sine, cosine = (
+        Constant(f"swing_{way}_K", 0.0, -FARTHEST_K, FARTHEST_K, 1.0, places=(f"ambient_{way}_K",))
+        for way in ("sin", "cos")
+    )
+    period = Constant("period_s", whole, 0.05 * whole, 4.0 * whole, 0.1 * whole, places=("ambient_period_s",))
+    begins = tuple((1.0, 1.0, share * whole) for share in _SWINGS)
+    swings = tuple((*way, share * whole) for share in _SWINGS for way in ((1.0, 0.0), (0.0, 1.0)))
     return Effect(
         id="ambient-drift",
         title="the ambient changes with time",
@@ -65,6 +78,7 @@ def ambient_drift(context: DataContext) -> Effect:
             Form("linear", (slope,), ((8.0 / whole,), (-8.0 / whole,)), ((2.0 / whole,),)),
             Form("quadratic", (slope, bend), ((8.0 / whole, 0.0),), refines="linear"),
             Form("cubic", (slope, bend, twist), ((8.0 / whole, 0.0, 0.0),), refines="quadratic"),
+            Form("swing", (sine, cosine, period), begins, swings, screened=True),
         ),
     )
 
@@ -106,7 +120,7 @@ def contact_resistance(context: DataContext) -> Effect:
     """A joint that does not conduct perfectly, ``[[contact]]`` of the mold document: a resistance of the joints that
     conduct perfectly in the model, or in series with its joints.
 
-    One for all, of each its own, closing as the mold warms up, or greater in places.
+    One for all, of each its own, closing as the mold warms up or as time goes on, or greater in places.
     """
     joints = context.opened + context.declared
     places = [f"resistance.{k}" for k in range(joints)]
@@ -125,6 +139,7 @@ def contact_resistance(context: DataContext) -> Effect:
         rise = context.rise_K
         warm = Constant("closing_per_K", 0.0, -0.9 / rise, 5.0 / rise, 0.05 / rise, places=("joint_per_K",))
         forms.append(Form("closing with warmth", (resistance, warm), ((1e-3, 0.0),), refines="gap"))
+        forms += _in_time(context, resistance, each)
         if joints > 1:
             start, simpler = (0.0, *(1e-3 for _ in each)), ("each", "closing with warmth")
             forms.append(Form("each, closing with warmth", (warm, *each), (start,), refines=simpler))
@@ -137,6 +152,25 @@ def contact_resistance(context: DataContext) -> Effect:
         source="Yovanovich (2005), doi:10.1109/TCAPT.2005.848483",
         forms=tuple(forms),
     )
+
+
+def _in_time(context: DataContext, resistance: Constant, each: Sequence[Constant]) -> Iterator[Form]:
+    """Yield joints that close as time goes on, by a law of decay or evenly; of several each with its own resistance."""
+    whole = context.duration_s
+    closes = Constant("closing_share", 0.0, -0.9, 20.0, 0.1, places=("joint_closes",))
+    slow = Constant("closing_s", 0.2 * whole, 0.005 * whole, 3.0 * whole, 0.05 * whole, places=("joint_closes_s",))
+    more = Constant("tightening_share", 0.0, -0.9, 20.0, 0.1, places=("joint_tightens",))
+    within = Constant("tightening_s", 0.5 * whole, 0.01 * whole, whole, 0.05 * whole, places=("joint_tightens_s",))
+    for name, way, shares in (
+        ("closing in time", (closes, slow), _CLOSING),
+        ("closing evenly", (more, within), _EVENLY),
+    ):
+        starts, probes = ([(size, how, share * whole) for share in shares] for size, how in ((1e-3, 1.0), (2e-4, 0.1)))
+        yield Form(name, (resistance, *way), tuple(starts), tuple(probes), refines="gap", screened=True)
+        if len(each) > 1:
+            start, simpler = (1.0, shares[0] * whole, *(1e-3 for _ in each)), ("each", name)
+            pointers = tuple((0.1, share * whole, *(2e-4 for _ in each)) for share in shares)
+            yield Form(f"each, {name}", (*way, *each), (start,), pointers, refines=simpler, screened=True)
 
 
 def convection_law(context: DataContext) -> Effect:
@@ -196,10 +230,13 @@ def power_loss(context: DataContext) -> Effect:
 
 
 def property_drift(context: DataContext) -> Effect:
-    """Conductivity and specific heat that change with temperature: one or both linear in it, then with a bend."""
+    """Conductivity and specific heat that change with temperature: one or both linear in it, then with a bend.
+
+    Solids store no less the hotter they are, up to where they melt or change their lattice.
+    """
     rise = context.rise_K
-    low, high, step = -0.5 / rise, 2.0 / rise, 0.05 / rise
-    c = Constant("specific_heat_per_K", 0.0, low, high, step, places=("capacity_per_K",))
+    high, step = 2.0 / rise, 0.05 / rise
+    c = Constant("specific_heat_per_K", 0.0, 0.0, high, step, places=("capacity_per_K",))
     k = Constant("conductivity_per_K", 0.0, -0.7 / rise, high, step, places=("conductivity_per_K",))
     low, high, step = -0.5 / rise**2, 2.0 / rise**2, 0.05 / rise**2
     bend = Constant("specific_heat_per_K2", 0.0, low, high, step, places=("capacity_per_K2",))
@@ -209,7 +246,7 @@ def property_drift(context: DataContext) -> Effect:
         shown_by="heating and cooling through the same temperatures at two powers",
         source="Touloukian (1970), Thermophysical Properties of Matter",
         forms=(
-            Form("specific heat", (c,), ((0.2 / rise,), (-0.1 / rise,)), ((0.03 / rise,),)),
+            Form("specific heat", (c,), ((0.2 / rise,), (0.05 / rise,)), ((0.03 / rise,),)),
             Form("conductivity", (k,), ((0.2 / rise,), (-0.3 / rise,)), ((0.03 / rise,),)),
             Form("both", (c, k), ((0.1 / rise, -0.1 / rise), (0.0, -0.3 / rise)), ((0.0, 0.03 / rise),)),
             Form("bent", (c, bend), ((0.0, 0.0),), refines="specific heat"),
@@ -256,6 +293,7 @@ def sensor_lag(context: DataContext) -> Effect:
         forms.append(Form("each", (lag, *own), (start,), refines="first-order"))
     return Effect(
         id="sensor-lag",
+        added=True,
         title="the sensors lag behind the metal, or sit where it warms up later than at the place stated",
         shown_by="a step of power sampled closely, with a probe of known quick response beside, its place measured",
         source="first-order lag; ASTM E839",

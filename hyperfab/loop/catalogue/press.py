@@ -228,6 +228,7 @@ def frame_compliance(context: DataContext) -> PressEffect:
     begins, probes = (tuple((much * travel, share * force) for share in (0.2, 0.02)) for much in (0.1, 0.02))
     return PressEffect(
         id="frame-compliance",
+        added=True,
         title="the frame of the press yields",
         not_sought="the press is set by its force, and no stroke was read" if unread else "",
         shown_by="force over stroke with the molds metal on metal, or a dial gauge between the platens",
@@ -268,6 +269,7 @@ def lateral_shift() -> Effect:
     both = _along_both("offset_{}_mm", 0.5 * some)
     return Effect(
         id="lateral-shift",
+        added=True,
         title="the molds are mounted off each other's axis",
         shown_by="the thickness on opposite flanks, and a dial gauge on the mounting face, which a tilt moves",
         source="rigid displacement",
@@ -302,6 +304,7 @@ def thermal_expansion() -> Effect:
     more = Constant("female_more", 0.0, -0.03, 0.03, 2e-4, places=("strain_female",))
     return Effect(
         id="thermal-expansion",
+        added=True,
         title="the molds have grown with heat",
         shown_by="the thickness of the sandwich on top and on the flanks, cold and hot",
         source="linear thermal expansion about the mounting face",
@@ -349,6 +352,7 @@ def tilt(context: DataContext) -> Effect:
     both = _along_both("tilt_{}_deg", 0.5 * edge)
     return Effect(
         id="tilt",
+        added=True,
         title="the molds are not parallel",
         not_sought="a floating female finds its own tilt" if context.floats else "",
         shown_by="pressure or thickness on opposite sides of the mold",
