@@ -96,15 +96,16 @@ def make_mesh(
     limit = patience
     if limit is None:
         limit = PATIENCE_BASE + PATIENCE_PER_TETRAHEDRON * expected_tetrahedra(geometry, mesh_size)
-    return RawMesh(**_ask(_mesh_job(geometry, mesh_size), limit, waiting, built))
+    return RawMesh(**_ask(mesh_job(geometry, mesh_size), limit, waiting, built))
 
 
 def begin_mesh(geometry: Geometry, mesh_size: float) -> None:
     """Let the mesher begin on what ``make_mesh`` will be asked for; ``netgen_process.end`` ends it where it is not."""
-    netgen_process.begin(_mesh_job(geometry, mesh_size))
+    netgen_process.begin(mesh_job(geometry, mesh_size))
 
 
-def _mesh_job(geometry: Geometry, mesh_size: float) -> bytes:
+def mesh_job(geometry: Geometry, mesh_size: float) -> bytes:
+    """Return what the mesher is asked for: the same of the same bodies."""
     job = {
         "task": "mesh",
         "parts": [_body(part) for part in geometry.parts],

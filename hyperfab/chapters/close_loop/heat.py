@@ -14,6 +14,7 @@ from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking, write
+from hyperfab.chapters.close_loop.forward import written_otherwise
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
@@ -94,6 +95,7 @@ def run(job: Job, given: Given) -> int:
         folders = (os.path.dirname(given.name), str(target.parent))
         noise = float(np.min(found.noise.sd))
         files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders, noise)
+        notes = [*notes, *written_otherwise(files, out, builder, problem, found)]
         files[".model.toml"] = noted(caution(found), files[".model.toml"])
         job.console.warn(*notes)
         result.warnings += notes
@@ -114,13 +116,16 @@ def pose(
     prior: float,
 ) -> HeatProblem:
     """Return the problem of a mold and its thermocouples."""
+    given = builder
     document, builder = _with_held_faces(document, builder, name, job)
     built = builder.build()
+    given.take_mesh(builder)
     pairs = _touching(document, built)
     if pairs:
         more = [ContactSection(between=pair, h=f"{PERFECT:g} W/m^2/K") for pair in pairs]
         document = document.model_copy(update={"contact": [*document.contact, *more]})
         builder = MoldBuilder(document, name, job.inputs)
+        builder.take_mesh(given)
         built = builder.build()
     model = built.model
     contacts = [c for c in model.conditions if isinstance(c, Contact)]

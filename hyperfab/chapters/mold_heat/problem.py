@@ -27,6 +27,7 @@ from hyperfab.thermal.geometry import Geometry
 from hyperfab.thermal.locate import Locator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh, build_mesh, split_contacts
+from hyperfab.thermal.mesher import RawMesh, mesh_job
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.plausibility import doubts
 from hyperfab.thermal.tables import Table
@@ -79,7 +80,15 @@ class MoldBuilder:
         self.functions = self._read_functions()
         self.geometry = geometry_of(document, name, inputs, stl_unit, self.doubts)
         start = document.run.start
+        #: The mesh once it is made, with the geometry that was meshed.
+        self.meshed: tuple[Geometry, RawMesh] | None = None
         self.earlier = earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
+
+    def take_mesh(self, other: MoldBuilder) -> None:
+        """Take the mesh that another builder has made, where it is one of the same bodies."""
+        asked = [mesh_job(one.geometry, one.document.run.mesh_size) for one in (self, other)]
+        if other.meshed is not None and asked[0] == asked[1]:
+            self.meshed = other.meshed
 
     def build(
         self,
@@ -92,14 +101,16 @@ class MoldBuilder:
         """
         document = self.document
         notes: list[str] = []
-        geometry, raw = mesh_mold(
-            self.geometry,
-            document.run.mesh_size,
-            self.name,
-            notes,
-            waiting,
-            lambda volumes: say(self.as_one_body(volumes * 1e-9)),
-        )
+        if self.meshed is None:
+            self.meshed = mesh_mold(
+                self.geometry,
+                document.run.mesh_size,
+                self.name,
+                notes,
+                waiting,
+                lambda volumes: say(self.as_one_body(volumes * 1e-9)),
+            )
+        geometry, raw = self.meshed
         mesh = build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
         self.doubts += [self._alone(one) for one in apart(mesh)]
         faces = Faces(mesh, geometry)

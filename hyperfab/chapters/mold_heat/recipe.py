@@ -73,18 +73,18 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     with job.console.progress("Heating the mold", size) as advance:
 
         def warmup() -> float | None:
-            return _transient(document, problem, start, advance).reached_time
+            return heated(document, problem, start, advance).reached_time
 
         chosen = design(case, document, problem, start, warmup)
         if document.run.steady:
             history = _steady(mold, problem, start)
             result = steady_document(problem, history)
         else:
-            history = _transient(document, problem, start, advance)
+            history = heated(document, problem, start, advance)
             result = transient_document(document, problem, history)
         if asked is not None:
             advance(FOLLOWED, "variations")
-            sharper = _transient(document, problem, start, advance, SHARPER)
+            sharper = heated(document, problem, start, advance, SHARPER)
             result.variations = vary(asked, document, problem, sharper, start)
             out.add(".variations.csv", variations_csv(result.variations))
         advance(0.97, "writing")
@@ -156,7 +156,7 @@ def note_ranges(job: Job, name: str, tables: Tables, reached: Callable[[bool], A
         job.ranges.used(table, times, known=known, source=name, unit="s", then=then)
 
 
-def _transient(document: MoldDocument, problem: Problem, start: Array, advance: Advance, share: float = 1.0) -> History:
+def heated(document: MoldDocument, problem: Problem, start: Array, advance: Advance, share: float = 1.0) -> History:
     """Follow the mold; each step may err by ``share`` of the document's tolerance."""
     settings = document.run
     target = None
