@@ -159,10 +159,11 @@ class _Search:
         if os.path.isfile(first):
             self.changed.append(first)
             return first
+        own = os.path.basename(self.name)
         raise InputError(
             f"no such file; {self.name} was made from it",
             file=first,
-            remedy=f"put it back, or make {os.path.basename(self.name)} again with hf {self.command}",
+            remedy=f"lay it beside {own}, or make {own} again with hf {self.command}",
         )
 
     def _kept(self, wanted: set[str]) -> str:

@@ -209,10 +209,9 @@ def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:
     for curve in curves:
         along = curve.principal
         across = curve.stretch2 if curve.mode == "biaxial-general" else None
-        warmth = curve.warmth if curve.warmth is not None else curve.temperature_degC
         # Every test passes through rest, whether or not its first reading is taken there.
         stretches.setdefault(curve.mode, [1.0]).extend([*_finite(along), *_finite(across)])
-        warmths.setdefault(curve.mode, []).extend(_finite(warmth))
+        warmths.setdefault(curve.mode, []).extend(met_degC(curve))
     return {
         test: Tested(
             stretch=(min(found), max(found)),
@@ -220,6 +219,11 @@ def tested_by(curves: Iterable[TestCurve]) -> dict[str, Tested] | None:
         )
         for test, found in stretches.items()
     } or None
+
+
+def met_degC(curve: TestCurve) -> list[float]:
+    """Return the temperatures [degC] that a test states; none where it says nothing."""
+    return _finite(curve.warmth if curve.warmth is not None else curve.temperature_degC)
 
 
 def _finite(values: ArrayLike | None) -> list[float]:

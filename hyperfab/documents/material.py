@@ -322,6 +322,13 @@ class MaterialDocument(Document):
         ranges = [one for name, one in known.items() if name == test] or list(known.values())
         return (min(low for low, _ in ranges), max(high for _, high in ranges)) if ranges else None
 
+    def tested_degC(self, direction: str | None = None) -> tuple[float, float] | None:
+        """Return the lowest and the highest temperature [degC] of the tests behind the constants, of a ``direction``
+        where it has constants of its own; None where nothing says."""
+        part: MaterialDocument | Direction = (self.directions or {}).get(direction or "") or self
+        known = [one.temperature_degC for one in (part.tested or {}).values() if one.temperature_degC is not None]
+        return (min(low for low, _ in known), max(high for _, high in known)) if known else None
+
     def refitted(self) -> MaterialDocument:
         """Return a copy for other constants: without what was said of those it has, the fit's figures above all.
 

@@ -74,6 +74,18 @@ class HasPlaces(Protocol):
         """Return the faces."""
 
 
+def _schedule(value: object) -> object:
+    """Take the name of a file; say how it is written where a table is given as materials and films have theirs."""
+    if isinstance(value, str):
+        return value
+    table = value.get("table") if isinstance(value, dict) else None
+    shown = table if isinstance(table, str) else "schedule.csv"
+    raise ValueError(f'a schedule is the name of its file: schedule = "{shown}"')
+
+
+Schedule = Annotated[str, BeforeValidator(_schedule)]
+
+
 class ControlSection(Section):
     """A thermostat: off at set + band/2, on at set - band/2."""
 
@@ -89,7 +101,7 @@ class HeaterSection(Section):
     volume: str | None = None
     power: Power | None = None
     flux: HeatFlux | None = None
-    schedule: str | None = None
+    schedule: Schedule | None = None
     control: ControlSection | None = None
 
     @model_validator(mode="after")
@@ -144,7 +156,7 @@ class ContactSection(Section):
 
     between: tuple[str, str]
     h: FilmCoefficient
-    schedule: str | None = None
+    schedule: Schedule | None = None
     fresh: Temperature | None = None
 
     @model_validator(mode="after")

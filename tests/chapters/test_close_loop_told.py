@@ -16,11 +16,13 @@ from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
-from hyperfab.chapters.close_loop.words import _far_from_known, _no_other
+from hyperfab.chapters.close_loop.words import _far_from_known, _no_other, silent
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.documents.loop import Errors, Misfit
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
@@ -482,3 +484,32 @@ def test_a_constant_that_went_as_far_as_it_may_is_told_to_be_there() -> None:
     (line,) = _far_from_known(problem, found)
     assert "contact.0.h from 1 to 0.2 (8 standard deviations, the farthest it may go)" in line
     assert "contact.1.h from 1 to 0.3 (7 standard deviations)" in line
+
+
+@pytest.mark.parametrize(
+    ("domain", "many", "one"),
+    [("heat", "3 probes", "1 probe"), ("fabric", "3 tests", "1 test"),
+     ("press", "3 parts of the readings", "1 part of the readings")],
+)  # fmt: skip
+def test_what_is_left_out_is_called_what_it_is(domain: str, many: str, one: str) -> None:
+    """The probes of a mold, and the parts of one file, were called tests."""
+    size = Misfit(rms=1.0, relative_rms=0.1, nrmse=0.1, chi2_reduced=1.0)
+    held = Errors(unit="K", before=size, after=size, noise=size, tests=3, source="each predicted from all others")
+    assert told_of(held, domain) == f"On {many} left out, each predicted from the others it misses by 1 K (10 %)."
+    assert told_of(held.model_copy(update={"tests": 1}), domain).startswith(f"On {one} left out, predicted")
+    assert missed_by_more(held, domain).startswith(f"{many.removeprefix('3 ')} left out")
+    assert f"or {many.removeprefix('3 ')} left out" in not_added(["tilt"], domain)
+    apart = held.model_copy(update={"source": "the files of --hold-out"})
+    assert told_of(apart, domain).startswith("On 3 tests left out it misses")
+
+
+def test_readings_of_nothing_are_told_beside_the_noise_of_those_that_read() -> None:
+    """A film that reads nothing on half of its rows was said to be missed by less than its noise."""
+    read = np.array([0.0, 0.0, 0.0, 0.2, 0.3])
+    problem: Any = SimpleNamespace(measured=read, channel=np.zeros(5, dtype=int))
+    found: Any = SimpleNamespace(
+        after=SimpleNamespace(fit=SimpleNamespace(predicted=np.array([0.0, 0.0, 0.1, 0.3, 0.3])))
+    )
+    assert "all 5 readings, of which 2 read nothing where the model has nothing" in silent(problem, found)
+    found.after.fit.predicted = read + 0.1
+    assert silent(problem, found) == ""

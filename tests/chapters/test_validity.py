@@ -182,10 +182,11 @@ def test_a_fit_notes_the_stretches_it_predicts_beyond_those_it_fitted(hf: Run, r
     ]
     done = hf("fit", *tests, "--model", "gent", "--fit-on", "biaxial", "--strict", "--accept", "10")
     assert done.returncode == 1
-    entries = {one["from"]: one for one in json.loads(done.stdout)["validity"]}
-    known = [one["known"] for one in entries.values()]
-    assert known[0] == known[1] == [1.0, pytest.approx(4.44, abs=0.1)]
-    assert sorted(one["within"] for one in entries.values()) == [False, True]
+    for of, ends in (("stretch", [1.0, pytest.approx(4.44, abs=0.1)]), ("temperature_degC", [20.0, 20.0])):
+        entries = {one["from"]: one for one in json.loads(done.stdout)["validity"] if one["of"] == of}
+        assert len(entries) == 2
+        assert all(one["known"] == ends for one in entries.values())
+        assert sorted(one["within"] for one in entries.values()) == [of != "stretch", True]
 
 
 def test_ranges_join_what_one_law_was_used_at_and_judge_the_ends_to_rounding() -> None:
@@ -290,3 +291,24 @@ def test_a_loop_tells_where_its_model_was_used_beyond_its_tests(hf: Run, shop: P
     told = [line for line in done.stderr.decode().splitlines() if "beyond what is known" in line]
     assert told == ["hf: warning: used beyond what is known: stretch 1 to 2 (fabric.json: 1 to 1.8)"]
     assert hf(*words, "--strict", cwd=shop).returncode == 1
+
+
+def test_a_loop_tells_at_which_temperatures_its_model_was_used(hf: Run, shop: Path) -> None:
+    """It told the stretches alone, of the extended model too."""
+    stretch = np.linspace(1.05, 1.7, 20)
+    for name, warm in (("cold.csv", 30), ("hot.csv", 120)):
+        stress = 2.0 * 0.08 * (stretch - stretch**-2) * (1.0 + 1e-3 * np.cos(warm * np.arange(20)))
+        rows = "".join(f"{a:.4f},{b:.6f}\n" for a, b in zip(stretch, stress, strict=True))
+        (shop / name).write_text(f"# test: uniaxial\n# temperature: {warm} degC\nstretch [-],stress [MPa]\n{rows}")
+    words = ("close-loop", "fabric.json", "cold.csv", "hot.csv", "--noise", "1kPa")
+    done = hf(*words, "-o", "loop.json", cwd=shop)
+    assert done.returncode == 0, done.stderr.decode()
+    found, model = (json.loads((shop / name).read_text())["validity"] for name in ("loop.json", "loop.model.json"))
+    assert [one for one in found if one["of"] == "temperature_degC"] == [
+        {"of": "temperature_degC", "used": [30.0, 120.0], "known": [22.4, 105.3], "within": False,
+         "from": "fabric.json"}
+    ]  # fmt: skip
+    assert b"temperature 30 to 120 degC (fabric.json: 22.4 to 105.3 degC)" in done.stderr
+    warm = {one["from"]: one for one in model if one["of"] == "temperature_degC"}
+    assert {name: one["known"] for name, one in warm.items()} == {"cold.csv": [30.0, 30.0], "hot.csv": [120.0, 120.0]}
+    assert len(model) == 4

@@ -177,3 +177,15 @@ def test_a_schema_takes_the_short_forms_that_are_read_and_no_others() -> None:
     for wrong in ({"compression": 3}, {"shrinkage": [0.05]}, {"poisson": [0.3]}):
         with pytest.raises(jsonschema.ValidationError):
             jsonschema.validate({**foam, **wrong}, schema("foam"))
+
+
+def test_a_schedule_that_is_given_as_a_table_is_shown_as_it_is_written() -> None:
+    """``input should be a valid string`` told nobody: films and materials take ``{ table = ... }``."""
+    heater: dict[str, Any] = {"on": "plate.z-", "schedule": {"table": "p.csv"}}
+    with pytest.raises(InputError, match=r'key heater\.0\.schedule: .*schedule = "p\.csv"'):
+        parse_document({**PLATE, "heater": [heater]}, "m.toml", MoldDocument)
+    contact = {"between": ["plate", "plate"], "h": "9 W/m^2/K", "schedule": 3}
+    with pytest.raises(InputError, match=r'key contact\.0\.schedule: .*schedule = "schedule\.csv"'):
+        parse_document({**PLATE, "contact": [contact]}, "m.toml", MoldDocument)
+    heater["schedule"] = "p.csv"
+    assert parse_document({**PLATE, "heater": [heater]}, "m.toml", MoldDocument).heater[0].schedule == "p.csv"

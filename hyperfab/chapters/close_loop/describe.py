@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.chapters.close_loop.left_out import parts_of
 from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -64,7 +65,7 @@ def describe(
         contraction=_error(problem, found, 1, "")
         if isinstance(problem, FabricProblem) and len(problem.transverse_rows)
         else None,
-        held_out=_held_out(problem, found, unit),
+        held_out=_held_out(problem, found, unit, domain),
         residual=Residual(
             **_judged(found.after.judgement),
             before=Judged(**_judged(found.before.judgement)),
@@ -157,7 +158,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
-def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
+def _held_out(problem: Problem, found: Finding, unit: str, domain: str) -> Errors | None:
     """Return the plain errors of each test predicted by a fit to the others, over those that both models can tell."""
     first = problem.channel == 0
     old, new = found.before.forecast, found.after.forecast
@@ -172,7 +173,7 @@ def _held_out(problem: Problem, found: Finding, unit: str) -> Errors | None:
         spread,
         unit,
         len(set(old.tests) & set(new.tests)),
-        "each test predicted from all others",
+        f"each {parts_of(domain, many=False)} predicted from all others",
     )
 
 

@@ -17,7 +17,7 @@ from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_siz
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.chapters.close_loop.words import delivered_of
-from hyperfab.chapters.fabric import ORTHOTROPIC
+from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
 from hyperfab.chapters.validity import Ranges
@@ -177,15 +177,20 @@ def _note_ranges(job: Job, document: MaterialDocument, name: str, tests: Measure
         known = document.tested_stretch(way)
         for range_ in (tested_by([test]) or {}).values():
             job.ranges.used("stretch", range_.stretch, known=known, source=name, direction=way)
+            warm = range_.temperature_degC or ()
+            job.ranges.used("temperature_degC", warm, known=FabricDocument(document, name).known or None, source=name)
 
 
 def _closed_on(files: Sequence[str], tests: Measured) -> list[Validity]:
-    """Return where the extended model was used, and is known: at the stretches of each file it was closed on."""
+    """Return where the extended model was used, and is known: at stretches and temperatures of the files it was closed
+    on."""
     ranges = Ranges()
     for name in files:
         read = tested_by([test for test in tests.tests if test.source.startswith(name)]) or {}
         met = [end for range_ in read.values() for end in range_.stretch]
-        ranges.used("stretch", met, known=met, source=os.path.basename(name))
+        warm = [end for range_ in read.values() for end in range_.temperature_degC or ()]
+        for of, ends in (("stretch", met), ("temperature_degC", warm)):
+            ranges.used(of, ends, known=ends, source=os.path.basename(name))
     return ranges.entries
 
 

@@ -13,6 +13,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.case import Case
 from hyperfab.chapters.close_loop.describe import column, describe, errors_of, lowered, say
 from hyperfab.chapters.close_loop.domain import Given, signed
+from hyperfab.chapters.close_loop.left_out import OF_FILES
 from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.close_loop.words import PLACES, delivered_of
@@ -166,7 +167,7 @@ def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = No
     sd = float(np.sqrt(np.mean(found.noise.sd[:start][apart.problem.channel[:start] == 0] ** 2)))
     # The specimens set apart scatter as the others do.
     spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
-    return errors_of(apart.measured, before, after, spread, unit, tests, "the files of --hold-out")
+    return errors_of(apart.measured, before, after, spread, unit, tests, OF_FILES)
 
 
 def close_rounds(

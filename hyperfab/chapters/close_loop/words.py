@@ -7,8 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.arrays import Array
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, size_of, told_of
 from hyperfab.chapters.close_loop.sure import caution
-from hyperfab.documents.loop import Errors, LoopDocument, Misfit, NoiseFigures
+from hyperfab.documents.loop import Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
@@ -30,6 +31,8 @@ _OTHER_PROBE = 1.5
 _OWN = "gauge it by itself: it would be further off than what is known of it"
 #: An entry is told beside what was found from this probability on.
 _MIGHT = 0.1
+#: Readings of nothing are told of from this share of all on.
+_SILENT = 0.1
 _END = ", the farthest it may go"
 
 
@@ -44,20 +47,21 @@ def strength(lowered: float) -> str:
 
 def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
     """Return what came out: how far off, what lacks, how sure, what is left, what to measure next."""
-    lines = [_how_far(document), *_far_from_known(problem, found)]
+    lines = [_how_far(problem, found, document), *_far_from_known(problem, found)]
     if document.verdict == "noise":
         lines.append(_noise(found, document))
     for effect in document.effects:
         values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
+        values += ", added to what the model has" * problem.effect(effect.id).added
         form = f"{effect.form}: {values}" if values else effect.form
         sure = strength(effect.evidence.delta_bic)
         lines.append(f"{effect.id}: {effect.title} ({form}); the evidence is {sure}.")
     if document.effects:
-        lines.append(f"With that it misses by {_size(document.error.after, document.error.unit)}.")
+        lines.append(f"With that it misses by {size_of(document.error.after, document.error.unit)}.")
     if document.contraction is not None:
         lines.append(_contraction(document.contraction))
     if document.held_out is not None:
-        lines.append(_held_out(document.held_out))
+        lines.append(told_of(document.held_out, document.domain))
     if document.verdict == "effect":
         lines.append(f"{_left(found, document)}, and {_no_other(found)}.")
     if document.verdict == "ambiguous":
@@ -95,7 +99,7 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
             f"the noise is {found.noise.source}: the verdict rests on it; state it with --noise, or read more rows"
         )
     if found.worse:
-        told.append(f"not added: {', '.join(found.worse)}; with it these data, or tests left out, are missed by more")
+        told.append(not_added(found.worse, document.domain))
     told += [text for text in (caution(found),) if text]
     told += [f"{one}: the data ask for more than it may be" for one in _at_bounds(found)]
     fit = found.after.fit
@@ -110,10 +114,7 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
         told += strange_probes(problem)
     held = document.held_out
     if held is not None and held.after.rms > held.before.rms:
-        told.append(
-            f"tests left out are missed by {_size(held.after, held.unit)} with what was added, by "
-            f"{_size(held.before, held.unit)} without: do not carry it over to tests like these"
-        )
+        told.append(missed_by_more(held, document.domain))
     return told
 
 
@@ -197,7 +198,7 @@ def strange_probes(problem: Problem) -> list[str]:
     ]
 
 
-def _how_far(document: LoopDocument) -> str:
+def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
     error = document.error
     unit = error.unit
     noise = f"the noise of the data is {error.noise.rms:.3g} {unit}{_shares(document.noise)}"
@@ -205,8 +206,24 @@ def _how_far(document: LoopDocument) -> str:
         noise += f", neighbouring readings alike by {document.noise.correlation:.2g}"
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
-    given = "" if error.delivered is None else f"As delivered the model misses by {_size(error.delivered, unit)}. "
-    return f"{given}With its own constants refitted the model misses by {_size(error.before, unit)} (rms), {noise}."
+    noise += silent(problem, found)
+    given = "" if error.delivered is None else f"As delivered the model misses by {size_of(error.delivered, unit)}. "
+    return f"{given}With its own constants refitted the model misses by {size_of(error.before, unit)} (rms), {noise}."
+
+
+def silent(problem: Problem, found: Finding) -> str:
+    """Return how many readings read nothing where the model has nothing either, where they are many.
+
+    What all readings are missed by is then less than the noise of those that read something.
+    """
+    first = problem.channel == 0
+    none = np.all([rows[first] == 0.0 for rows in (problem.measured, found.after.fit.predicted)], axis=0)
+    if np.mean(none) < _SILENT:
+        return ""
+    return (
+        f" where something is read; the misfit is that of all {len(none)} readings, of which {np.count_nonzero(none)} "
+        "read nothing where the model has nothing"
+    )
 
 
 def _far_from_known(problem: Problem, found: Finding) -> list[str]:
@@ -227,10 +244,6 @@ def _far_from_known(problem: Problem, found: Finding) -> list[str]:
         f"The fit moves constants far from what is known of them: {', '.join(told)}. Check them, and what the document "
         "says."
     ]
-
-
-def _size(misfit: Misfit, unit: str) -> str:
-    return f"{misfit.rms:.3g} {unit} ({100.0 * misfit.relative_rms:.2g} %)"
 
 
 def _shares(noise: NoiseFigures) -> str:
@@ -301,16 +314,6 @@ def _contraction(error: Errors) -> str:
     return f"How much narrower specimens become it misses by {before} without, by {after} with what was added."
 
 
-def _held_out(held: Errors) -> str:
-    many = held.tests != 1
-    tests = f"{'' if held.tests is None else f'{held.tests} '}test{'s' * many}"
-    how = f", {'each ' * many}predicted from the others" if held.source != "the files of --hold-out" else ""
-    before, after = _size(held.before, held.unit), _size(held.after, held.unit)
-    if held.before.rms == held.after.rms:
-        return f"On {tests} left out{how} it misses by {before}."
-    return f"On {tests} left out{how} it misses by {before} without, by {after} with what was added."
-
-
 def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
     strained = problem.strained(found.after.fit.x[: found.after.fit.own])
     if strained and found.after.judgement.is_small:
@@ -350,7 +353,8 @@ def _where(problem: Problem, found: Finding) -> str:
     # Where a place is known it says more than a row: those of a part of a file are not its lines.
     known = [name for name in (*PLACES, "depth_mm") if row < len(problem.states.get(name, ()))]
     spot = ", ".join(f"{name.removesuffix('_mm')} {problem.states[name][row]:.4g} mm" for name in known)
-    told = f"Most of it ({share:.0%}) is in {worst.name}, there most "
+    part = "Most" if share > 0.5 else "The largest part"
+    told = f"{part} of it ({share:.0%}) is in {worst.name}, there most "
     told += f"at {spot}" if spot else f"in row {at + 1} of {len(worst.places)}"
     times = np.full(len(square), np.nan)
     if "time_s" in problem.states:

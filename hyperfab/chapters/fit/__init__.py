@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from hyperfab.arrays import Array
 from hyperfab.cases.fit import FitCase
 from hyperfab.chapters.fit import describe
 from hyperfab.chapters.fit.doubts import doubts, outliers, rows_of
@@ -17,7 +18,9 @@ from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.look import met_degC
 from hyperfab.console import NEGATIVE_VERDICT
+from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
@@ -99,8 +102,7 @@ def _by_direction(job: Job, readings: Readings, setting: Setting, case: FitCase)
     _tell(job, judged, document, setting)
     for curve in sets[None]:
         way = curve.direction_name if curve.direction_name in (document.directions or {}) else None
-        known = document.tested_stretch(way)
-        job.ranges.used("stretch", curve.principal, known=known, source=curve.source, direction=way)
+        _note_ranges(job, document, curve, curve.principal, document.tested_stretch(way), way)
 
     def beside() -> dict[str, bytes]:
         from hyperfab.chapters.fit.siblings import law_csv, law_picture
@@ -152,7 +154,7 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
             f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
         )
     for curve, known in fit.ranges(document):
-        job.ranges.used("stretch", curve.stretch, known=known, source=curve.source, direction=curve.direction_name)
+        _note_ranges(job, document, curve, curve.stretch, known, curve.direction_name)
 
     def beside() -> dict[str, bytes]:
         found = {".csv": fit.curves_csv(), ".png": fit.picture()}
@@ -163,6 +165,20 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         return found
 
     return document, beside
+
+
+def _note_ranges(
+    job: Job,
+    document: MaterialDocument,
+    curve: TestCurve,
+    stretch: Array,
+    known: tuple[float, float] | None,
+    way: str | None,
+) -> None:
+    """Note where the law was used on a test, and at which temperature, beside the tests that it was fitted to."""
+    job.ranges.used("stretch", stretch, known=known, source=curve.source, direction=way)
+    warmth = met_degC(curve)
+    job.ranges.used("temperature_degC", warmth, known=document.tested_degC(way), source=curve.source, direction=way)
 
 
 def _tell_bulk(job: Job, readings: Readings) -> None:

@@ -166,7 +166,8 @@ def note_ranges(job: Job, model: Model, closed: Closed) -> None:
             f"the foam would be pressed by {100.0 * most:.0f} % of its thickness, to nothing: layers of fabric fill "
             "the gap there, and force and pressure are those of its law drawn on"
         )
-    if not job.ranges.entries:  # laws by their constants alone: nothing says how far they hold
+    if any(not isinstance(law, (TableLaw, MaterialLaw)) for law in document.laws):
+        # Of laws by their constants alone nothing says how far they hold.
         job.ranges.used("strain", strain, known=None, source=foam)
 
 
