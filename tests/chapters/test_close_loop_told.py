@@ -16,13 +16,13 @@ from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
-from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, told_of
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
-from hyperfab.chapters.close_loop.words import _far_from_known, _no_other, silent
+from hyperfab.chapters.close_loop.words import _effect, _far_from_known, _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
-from hyperfab.documents.loop import Errors, Misfit
+from hyperfab.documents.loop import AddedEffect, Errors, Evidence, Misfit
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
@@ -513,3 +513,16 @@ def test_readings_of_nothing_are_told_beside_the_noise_of_those_that_read() -> N
     assert "all 5 readings, of which 2 read nothing where the model has nothing" in silent(problem, found)
     found.after.fit.predicted = read + 0.1
     assert silent(problem, found) == ""
+
+
+@pytest.mark.parametrize("added", [True, False])
+def test_whether_what_was_found_comes_on_top_of_what_the_model_has_is_told(added: bool) -> None:
+    """``mu 0.4272`` beside a model with 0.1 was read as all there is."""
+    effect = AddedEffect(
+        id="friction", title="it rubs", form="Coulomb", source="", parameters={"mu": 0.4272},
+        evidence=Evidence(delta_bic=20.0, variance_share=1.0),
+    )  # fmt: skip
+    entry = Effect("friction", "it rubs", "", "", (), added=added)
+    problem: Any = SimpleNamespace(effect={"friction": entry}.__getitem__)
+    more = ", added to what the model has" * added
+    assert _effect(problem, effect) == f"friction: it rubs (Coulomb: mu 0.4272{more}); the evidence is decisive."

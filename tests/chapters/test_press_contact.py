@@ -501,6 +501,17 @@ def test_a_foam_test_as_the_machine_wrote_it(shop, monkeypatch):
         press(shop, monkeypatch, gap="3mm", foam="raw.toml")
 
 
+def test_a_law_by_its_constants_is_told_beside_tables(shop, monkeypatch):
+    """It was told only where nothing else was used; of it nothing says how far it holds."""
+    (shop / "grow.csv").write_text("temperature [degC],expansion [1/K]\n20,23e-6\n250,24e-6\n")
+    (shop / "grows.toml").write_text(FOAM.replace('{ male = "23.6e-6 1/K"', '{ male = { table = "grow.csv" }'))
+    _, document = press(shop, monkeypatch, gap="3mm", foam="grows.toml", temperature="200degC")
+    expansion, strain = document["validity"]
+    assert (expansion["of"], expansion["within"]) == ("expansion.male", True)
+    assert strain["of"] == "strain"
+    assert "known" not in strain
+
+
 def test_a_table_used_beyond_its_rows_is_told(shop, monkeypatch, capsys):
     (shop / "short.csv").write_text("strain [-],stress [MPa]\n0,0\n0.1,0.005\n")
     (shop / "grow.csv").write_text("temperature [degC],expansion [1/K]\n50,23e-6\n100,24e-6\n")

@@ -10,7 +10,14 @@ import pytest
 from builders import plate
 from conftest import Run
 
+from hyperfab.chapters.close_loop.contact import note_temperatures
+from hyperfab.chapters.fabric import FabricDocument
+from hyperfab.chapters.job import Job
 from hyperfab.chapters.validity import Ranges
+from hyperfab.console import Console
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.loop.contact import ForceDepth
 
 C10 = {23.0: 0.08, 80.0: 0.05, 105.0: 0.04}
 
@@ -312,3 +319,15 @@ def test_a_loop_tells_at_which_temperatures_its_model_was_used(hf: Run, shop: Pa
     warm = {one["from"]: one for one in model if one["of"] == "temperature_degC"}
     assert {name: one["known"] for name, one in warm.items()} == {"cold.csv": [30.0, 30.0], "hot.csv": [120.0, 120.0]}
     assert len(model) == 4
+
+
+def test_force_over_depth_is_told_at_the_temperatures_it_was_read_at() -> None:
+    """That of the model alone was told, at which no test need have been."""
+    job = Job("close-loop", [], Console(True))
+    fabric = FabricDocument(parse_document(document(), "fabric.json", MaterialDocument), "fabric.json")
+    depth = np.array([1.0, 2.0])
+    warm = [None, np.array([23.0, 24.0]), np.array([140.0, 140.0])]
+    note_temperatures(job, fabric, [ForceDepth("a.csv", depth, depth, one) for one in warm])
+    [entry] = job.ranges.entries
+    assert (entry.of, entry.used, entry.within) == ("temperature_degC", (23.0, 140.0), False)
+    assert entry.known == (22.4, 105.3)

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from conftest import Run
 from loop import test_applied_mold as applied
+
+from hyperfab.chapters.close_loop.forward import written_otherwise
+from hyperfab.chapters.mold_heat.problem import MoldBuilder
+from hyperfab.io.inputs import Inputs
+from hyperfab.io.output import Output
 
 #: A bar heated at one end and cooled at the other: 90 K from end to end, in one part.
 BAR = """format = "hyperfab.mold/1"
@@ -70,3 +78,47 @@ def test_a_conductivity_that_changes_goes_by_where_the_part_is_hot(hf: Run, tmp_
 def test_steps_of_the_extended_mold_err_by_less_than_the_noise(noise: float, tolerance: float, tmp_path: Path) -> None:
     after, _ = applied.written(bar().own, {}, tmp_path, bar(), noise)
     assert after.document.run.tolerance == pytest.approx(tolerance)
+
+
+def test_what_the_written_mold_reads_beside_what_is_predicted_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody was told: the loop runs the reduced mold alone."""
+    monkeypatch.chdir(tmp_path)
+    before, terms = applied.given(), {"property-drift": ("specific heat", np.array([1e-3]))}
+    thought = before.problem.predict(before.own, terms)
+    applied.written(before.own, terms, tmp_path, noise_K=0.1)
+    files = {path.name.removeprefix("loop"): path.read_bytes() for path in tmp_path.glob("loop*")}
+    given = MoldBuilder(before.document, "mold.toml", Inputs())
+    given.build()
+
+    def told(off: float, noise: float, *names: str) -> list[str]:
+        fit = SimpleNamespace(predicted=thought + off)
+        found: Any = SimpleNamespace(
+            after=SimpleNamespace(ids=names, fit=fit), noise=SimpleNamespace(sd=np.full(len(thought), noise))
+        )
+        out = Output("loop.json", (".model.toml", ".*.csv"))
+        return list(written_otherwise(files, out, given, before.problem, found))
+
+    assert told(0.0, 1.0, "property-drift") == []
+    [text] = told(0.5, 1.0, "property-drift")
+    size, share = map(float, re.search(r"reads (\S+) K \(rms.* here, (\S+) % of the noise", text).groups())  # type: ignore[union-attr]
+    assert (size, share) == (pytest.approx(0.5, abs=0.02), pytest.approx(50.0, abs=2.0))
+    assert told(0.5, 1.0, "radiation") == []  # no run of the whole mold for what the reduced one answers for
+    files[".model.toml"] = files[".model.toml"].replace(b"steel", b"stell", 1)
+    [text] = told(0.0, 1.0, "property-drift")
+    assert "does not run with what was found" in text
+
+
+def test_a_mesh_is_taken_from_another_mold_of_the_same_bodies_alone() -> None:
+    before = applied.given()
+    made, alike = (MoldBuilder(before.document, "mold.toml", Inputs()) for _ in range(2))
+    made.build()
+    other = MoldBuilder(
+        before.document.model_copy(update={"run": before.document.run.model_copy(update={"mesh_size": 20.0})}),
+        "mold.toml", Inputs(),
+    )  # fmt: skip
+    for one in (alike, other):
+        one.take_mesh(made)
+    assert alike.meshed is made.meshed is not None
+    assert other.meshed is None

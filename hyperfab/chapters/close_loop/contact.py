@@ -57,6 +57,7 @@ def run(job: Job, given: Given) -> int:
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
+    note_temperatures(job, FabricDocument(material, made.case.material), files.plain)
     check_unchanged(job, made, [*given.measured, *given.case.held])
     with job.console.progress("Closing the loop") as advance:
         sheet = pose_sheet(forward, document, files.plain, lambda s: advance(0.3 * s, "forward runs"))
@@ -70,6 +71,13 @@ def run(job: Job, given: Given) -> int:
         extend=lambda found: extend_contact(out, made.case, material, problem, found),
         rounds=forward.corrected,
     )
+
+
+def note_temperatures(job: Job, fabric: FabricDocument, files: Sequence[ForceDepth]) -> None:
+    """Note the temperatures at which force over depth was read, beside those that the fabric was tested at."""
+    for one in files:
+        met = () if one.temperature is None else one.temperature
+        job.ranges.used("temperature_degC", met, known=fabric.known or None, source=fabric.name)
 
 
 def read_force_depth(

@@ -12,6 +12,7 @@ from hyperfab.chapters.mold_heat.recipe import heated
 from hyperfab.chapters.rerun import Overlay
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
+from hyperfab.errors import HyperfabError
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding
@@ -37,11 +38,15 @@ def written_otherwise(
     if not found.after.ids or not changing or ruled:
         return
     path = str(out.path(".model.toml"))
-    document = parse_document(load_toml(files[".model.toml"], path), path, MoldDocument)
-    builder = MoldBuilder(document, path, Overlay({str(out.path(suffix)): data for suffix, data in files.items()}))
-    builder.take_mesh(given)
     times, kept = problem.runs[0].times, problem.runs[0].kept
-    read = _read(builder, problem, times).ravel()[kept]
+    try:
+        document = parse_document(load_toml(files[".model.toml"], path), path, MoldDocument)
+        builder = MoldBuilder(document, path, Overlay({str(out.path(suffix)): data for suffix, data in files.items()}))
+        builder.take_mesh(given)
+        read = _read(builder, problem, times).ravel()[kept]
+    except HyperfabError as error:
+        yield f"hf mold-heat does not run with what was found: {error}"
+        return
     known = np.isfinite(read)
     off = (read - found.after.fit.predicted)[known]
     if not len(off):

@@ -1,10 +1,14 @@
-"""What is said of readings that took no part: a fabric's tests, a mold's probes, parts of a file."""
+"""What is said of readings that took no part (tests, probes, parts of a file), and of those that read nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from hyperfab.documents.loop import Errors, Misfit
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.problem import Problem
 
 #: What says of an error that it is on files that were set apart.
 OF_FILES = "the files of --hold-out"
@@ -12,6 +16,8 @@ OF_FILES = "the files of --hold-out"
 #: one that is alone tells too.
 _PARTS = {"heat": ("probe", "probes"), "fabric": ("test", "tests")}
 _OTHERS = ("part of the readings", "parts of the readings")
+#: Readings of nothing are told of from this share of all on.
+_SILENT = 0.1
 
 
 def parts_of(domain: str, held: Errors | None = None, many: bool = True) -> str:
@@ -52,3 +58,18 @@ def told_of(held: Errors, domain: str) -> str:
     if held.before.rms == held.after.rms:
         return f"On {parts} left out{how} it misses by {before}."
     return f"On {parts} left out{how} it misses by {before} without, by {after} with what was added."
+
+
+def silent(problem: Problem, found: Finding) -> str:
+    """Return how many readings read nothing where the model has nothing either, where they are many.
+
+    What all readings are missed by is then less than the noise of those that read something.
+    """
+    first = problem.channel == 0
+    none = np.all([rows[first] == 0.0 for rows in (problem.measured, found.after.fit.predicted)], axis=0)
+    if np.mean(none) < _SILENT:
+        return ""
+    return (
+        f" where something is read; the misfit is that of all {len(none)} readings, of which {np.count_nonzero(none)} "
+        "read nothing where the model has nothing"
+    )

@@ -22,7 +22,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import SIBLINGS, note_ranges, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
 from hyperfab.chapters.press_contact.formed import note_ranges as note_set_ranges
-from hyperfab.chapters.press_contact.laws import compression_law
+from hyperfab.chapters.press_contact.laws import compression_law, note_temperature
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.press_contact.warmth import column_of
@@ -66,6 +66,9 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
         told, warnings = closed_press(job, made.case)
+        for one in files.plain:
+            if one.temperature is not None:
+                note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
         check_unchanged(job, made, [*given.measured, *given.case.held])
         advance(0.15, "gaps over the stroke")
         problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)

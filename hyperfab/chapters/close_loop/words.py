@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, size_of, told_of
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, size_of, told_of
 from hyperfab.chapters.close_loop.sure import caution
-from hyperfab.documents.loop import Errors, LoopDocument, NoiseFigures
+from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
@@ -31,8 +31,6 @@ _OTHER_PROBE = 1.5
 _OWN = "gauge it by itself: it would be further off than what is known of it"
 #: An entry is told beside what was found from this probability on.
 _MIGHT = 0.1
-#: Readings of nothing are told of from this share of all on.
-_SILENT = 0.1
 _END = ", the farthest it may go"
 
 
@@ -50,12 +48,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     lines = [_how_far(problem, found, document), *_far_from_known(problem, found)]
     if document.verdict == "noise":
         lines.append(_noise(found, document))
-    for effect in document.effects:
-        values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
-        values += ", added to what the model has" * problem.effect(effect.id).added
-        form = f"{effect.form}: {values}" if values else effect.form
-        sure = strength(effect.evidence.delta_bic)
-        lines.append(f"{effect.id}: {effect.title} ({form}); the evidence is {sure}.")
+    lines += [_effect(problem, effect) for effect in document.effects]
     if document.effects:
         lines.append(f"With that it misses by {size_of(document.error.after, document.error.unit)}.")
     if document.contraction is not None:
@@ -89,6 +82,14 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         parts = (", ".join(names) + (f" ({reason})" if reason else "") for reason, names in hidden.items())
         lines.append(f"These data cannot show: {'; '.join(parts)}.")
     return [*lines, *_doubts(found)]
+
+
+def _effect(problem: Problem, effect: AddedEffect) -> str:
+    """Return what lacks: its law with its constants, and whether these are all there is."""
+    values = ", ".join(f"{key} {value:.4g}" for key, value in effect.parameters.items())
+    values += ", added to what the model has" * (bool(values) and problem.effect(effect.id).added)
+    form = f"{effect.form}: {values}" if values else effect.form
+    return f"{effect.id}: {effect.title} ({form}); the evidence is {strength(effect.evidence.delta_bic)}."
 
 
 def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
@@ -209,21 +210,6 @@ def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
     noise += silent(problem, found)
     given = "" if error.delivered is None else f"As delivered the model misses by {size_of(error.delivered, unit)}. "
     return f"{given}With its own constants refitted the model misses by {size_of(error.before, unit)} (rms), {noise}."
-
-
-def silent(problem: Problem, found: Finding) -> str:
-    """Return how many readings read nothing where the model has nothing either, where they are many.
-
-    What all readings are missed by is then less than the noise of those that read something.
-    """
-    first = problem.channel == 0
-    none = np.all([rows[first] == 0.0 for rows in (problem.measured, found.after.fit.predicted)], axis=0)
-    if np.mean(none) < _SILENT:
-        return ""
-    return (
-        f" where something is read; the misfit is that of all {len(none)} readings, of which {np.count_nonzero(none)} "
-        "read nothing where the model has nothing"
-    )
 
 
 def _far_from_known(problem: Problem, found: Finding) -> list[str]:

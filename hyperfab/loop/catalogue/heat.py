@@ -11,7 +11,7 @@ from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 FARTHEST_K, FASTEST_K_S = 20.0, 0.01
 #: Periods of a swing that are looked for, and times in which a joint closes, by a law of decay or evenly, as shares of
 #: the run.
-_SWINGS, _CLOSING, _EVENLY = (0.9, 0.4), (0.2, 0.04), (0.5, 0.2)
+_SWINGS, _CLOSING, _EVENLY = (0.9, 0.6, 0.4, 0.27), (0.2, 0.04), (0.5, 0.2)
 
 
 @dataclass(frozen=True)
