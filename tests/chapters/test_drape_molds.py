@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cloth_molds import height_block
+from cloth_molds import height_block, punch
 
 from hyperfab.cli import main
 from hyperfab.io.stl_write import stl_bytes
@@ -184,3 +184,13 @@ def test_one_of_two_bosses_that_faces_inward_is_turned(drape):
         assert status == 0, err
         assert f"{len(beside)} facets of whole pieces faced inward and were turned" in err
         assert json.loads(out)["force_N"] == pytest.approx(sound["force_N"], rel=1e-9)
+
+
+def test_friction_over_sharp_edges_is_told_as_none(drape) -> None:
+    """The flat end of a cylinder bears on its rim, between nodes: as on a pulley that nothing rubs on."""
+    options = ("--friction", "0.3", "--depth", "10mm", "--grid", "21x21", "--load-steps", "2")
+    sharp = punch(32)
+    status, _, told = drape((sharp.vertices, sharp.faces), *options)
+    assert (status, "100 % of the force goes over sharp edges" in told) == (0, True)
+    status, _, told = drape(cup(), *options)
+    assert (status, "sharp edges" in told) == (0, False)

@@ -33,7 +33,7 @@ def run(job: Job, case: DrapeCase) -> int:
     found = _drape(job, model)
     document = document_of(model, found)
     note_ranges(job, model.files.fabric, found[-1].fields.stretch_warp, found[-1].fields.stretch_weft)
-    sound = judge(job, document, found[-1].fields)
+    sound = judge(job, document, found[-1])
     torn = tears(job, document, model.sheet, found[-1], case.max_stretch)
     sure = Sure()
     if document.converged:

@@ -8,7 +8,7 @@ from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SI
 from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import Answers, Sheet
+from hyperfab.cloth import Sheet
 from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
@@ -16,6 +16,8 @@ from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Place
 
 #: The mold may stand out between the nodes by this share of their spacing without a word.
 THROUGH = 0.25
+#: Sharp edges may bear this share of the force, which friction does not know, without a word.
+MUCH = 0.2
 
 
 def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | None:
@@ -172,11 +174,17 @@ def way_out(model: Model) -> str:
     return f"try {', then '.join(ways)}"
 
 
-def judge(job: Job, document: DrapeDocument, fields: Answers) -> bool:
+def judge(job: Job, document: DrapeDocument, state: State) -> bool:
     """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
-    sound = document.converged
+    sound, fields = document.converged, state.fields
     if document.status is not None:
         job.console.warn(document.status)
+    unrubbed = float(state.found.push[2]) / max(fields.press_force, 1e-300)
+    if document.friction and unrubbed > MUCH:
+        job.console.warn(
+            f"{100.0 * unrubbed:.0f} % of the force goes over sharp edges of the mold between nodes, where nothing "
+            "rubs: --friction counts for little; round the edges over a few spacings of the --grid"
+        )
     if fields.cells is not None and float(fields.cells.margin.min()) < 0.0:
         sound = False
         worst = np.unravel_index(int(fields.cells.margin.argmin()), fields.cells.margin.shape)
