@@ -311,7 +311,7 @@ def _worth_a_name(base: Candidate, smaller: Candidate, larger: Candidate, eviden
         return evidence.variance_share >= 0.5 and larger.judgement.is_small
     if evidence.help is None and len(base.held_out.counted) > 1:
         # What no other test can foretell has to leave less than something else would.
-        return larger.judgement.is_noise or (smaller is base and outweighs_something_else(base, larger))
+        return larger.judgement.is_noise or outweighs_something_else(smaller, larger)
     return True
 
 

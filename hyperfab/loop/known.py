@@ -111,11 +111,19 @@ class FilesProblem(Problem, Generic[F]):
     def loosened(self, own: Array) -> Self | None:
         """Return the problem where constants at the end of what is known of them may be as far off as those of a
         document at fault; None where none is there."""
-        far = self.strained(own)
+        far = {name: max(SCALES) for name in self.strained(own)}
+        return self._looser(far) if far else None
+
+    def counting_from_anywhere(self, name: str) -> Self:
+        """Return the problem where a constant may be as far off as it was posed."""
+        return self._looser({one.name: one.high / (SURE * one.prior_sd) for one in self.posed_of if one.name == name})
+
+    def _looser(self, times: Mapping[str, float]) -> Self:
+        """Return the problem where constants may be so many times as far off as is known of them."""
         held = [one.name for one in self.priors if one.low == one.high]
-        loose = [replace(one, prior_sd=max(SCALES) * one.prior_sd) if one.name in far else one for one in self.posed_of]
+        loose = [replace(one, prior_sd=times.get(one.name, 1.0) * one.prior_sd) for one in self.posed_of]
         priors = sure(loose, held)
-        return replace(self, own=tuple(replace(one, prior_sd=np.inf) for one in priors), priors=priors) if far else None
+        return replace(self, own=tuple(replace(one, prior_sd=np.inf) for one in priors), priors=priors)
 
     def with_reading(self, reading: F, scale: float = 1.0, **changes: Any) -> Self:
         """Return the problem with a further reading at its end, its rows times ``scale``."""

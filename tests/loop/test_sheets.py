@@ -15,7 +15,8 @@ from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
 from hyperfab.chapters.close_loop import coupled
-from hyperfab.chapters.close_loop.words import another_frame, another_unit, delivered_of, strange_probes
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero
+from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
@@ -139,6 +140,26 @@ def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> No
     # The sheet's own constants take a little of it.
     for line in lines:
         assert float(re.search(r"turned by (\S+) deg", line)[1]) == pytest.approx(0.4, abs=0.08), line
+
+
+@pytest.mark.parametrize(
+    ("zero", "wave_N", "told"), [(1.2, 0.0, True), (-0.8, 0.0, True), (0.2, 0.0, False), (0.2, 0.3, False)]
+)
+def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told: bool) -> None:
+    """Not where that is no farther off than is known, nor where it is not all that is missed."""
+    problem = contact()
+    own = np.array([*(one.value for one in problem.own[:-1]), zero])
+    depth = problem.files[0].depth
+    rows = len(depth)
+    off = 0.01 * np.random.default_rng(2).standard_normal(rows) + wave_N * np.sin(depth)
+    problem.measured[:rows] = problem.predict(own, {})[:rows] + off
+    noise = Noise(np.where(np.arange(len(problem.measured)) < rows, 0.01, 1.0), np.inf, "stated")
+    lines = another_zero(problem, close(problem, noise=noise, design=False))
+    assert bool(lines) is told
+    for line in lines:
+        said = re.search(r"depth.zero (-?[\d.]+) mm, though known to 0.1 mm", line)
+        assert said is not None
+        assert float(said[1]) == pytest.approx(zero, abs=0.05)
 
 
 def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:

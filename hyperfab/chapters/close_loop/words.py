@@ -8,13 +8,14 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, size_of, told_of
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
-from hyperfab.loop.thresholds import FEWEST, SHARE, SMALL, TOLD
+from hyperfab.loop.thresholds import TOLD
 
 #: Differences of BIC from which evidence is called so: Kass & Raftery (1995), doi:10.1080/01621459.1995.10476572.
 _STRENGTHS = ((10.0, "decisive"), (6.0, "strong"), (2.0, "weak"))
@@ -64,7 +65,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
-    lines += another_frame(problem, found)
+    lines += [*another_frame(problem, found), *another_zero(problem, found)]
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
         told = "; ".join(f"{name}: {by.get(name, _OWN)}" for name in document.indistinguishable[0])
@@ -147,37 +148,6 @@ def another_unit(problem: Problem) -> list[str]:
                 "heads of the columns, and those of the model"
             )
     return told
-
-
-def another_frame(problem: Problem, found: Finding) -> list[str]:
-    """Return the shift and turn of the frame that markers were read in, where that is all the model misses them by.
-
-    The rigid motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922.
-    """
-    axis = problem.states.get("axis", ())
-    count = len(axis)
-    if count < 3 * FEWEST:
-        return []
-    from scipy.spatial.transform import Rotation  # only markers ask for it
-
-    sd = found.noise.sd[:count]
-    thought, read = (
-        np.stack([rows[:count][axis == way] for way in range(3)], axis=1)
-        for rows in (found.before.fit.predicted, problem.measured)
-    )
-    weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
-    turn, _ = Rotation.align_vectors(read - read.mean(axis=0), thought - thought.mean(axis=0))
-    shifted = read.mean(axis=0) - turn.apply(thought.mean(axis=0))
-    moved = turn.apply(thought) + shifted
-    beyond, left = (float(np.mean(((read - one) * weight) ** 2)) - 1.0 for one in (thought, moved))
-    if beyond <= SMALL**2 or left > SHARE * beyond:
-        return []
-    shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
-    return [
-        "The markers lie where the model has them without any effect, but for their frame, shifted by "
-        f"({shift}) mm and turned by {angle:.2g} deg: read the frame again at the clamped edge before anything is said "
-        "to lack."
-    ]
 
 
 def strange_probes(problem: Problem) -> list[str]:

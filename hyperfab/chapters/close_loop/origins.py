@@ -1,0 +1,69 @@
+"""Readings that the model meets without any effect, but for where their instrument counts from."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hyperfab.loop.engine import Finding
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.known import FilesProblem
+from hyperfab.loop.problem import Problem
+from hyperfab.loop.thresholds import FEWEST, SHARE, SMALL
+
+
+def another_frame(problem: Problem, found: Finding) -> list[str]:
+    """Return the shift and turn of the frame that markers were read in, where that is all the model misses them by.
+
+    The rigid motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922.
+    """
+    axis = problem.states.get("axis", ())
+    count = len(axis)
+    if count < 3 * FEWEST:
+        return []
+    from scipy.spatial.transform import Rotation  # only markers ask for it
+
+    sd = found.noise.sd[:count]
+    thought, read = (
+        np.stack([rows[:count][axis == way] for way in range(3)], axis=1)
+        for rows in (found.before.fit.predicted, problem.measured)
+    )
+    weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
+    turn, _ = Rotation.align_vectors(read - read.mean(axis=0), thought - thought.mean(axis=0))
+    shifted = read.mean(axis=0) - turn.apply(thought.mean(axis=0))
+    moved = turn.apply(thought) + shifted
+    beyond, left = (float(np.mean(((read - one) * weight) ** 2)) - 1.0 for one in (thought, moved))
+    if beyond <= SMALL**2 or left > SHARE * beyond:
+        return []
+    shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
+    return [
+        "The markers lie where the model has them without any effect, but for their frame, shifted by "
+        f"({shift}) mm and turned by {angle:.2g} deg: read the frame again at the clamped edge before anything is said "
+        "to lack."
+    ]
+
+
+def another_zero(problem: Problem, found: Finding) -> list[str]:
+    """Return where a machine would count its way from, farther off than is known, where that is all the model misses
+    the readings by.
+
+    A soft sheet or foam is touched before a load cell tells: who counts from there, or from anywhere else, counts so.
+    """
+    ways = [one for one in problem.expected if one.name.endswith(".zero") and one.low < one.high]
+    if not ways or not isinstance(problem, FilesProblem) or found.verdict == "noise":
+        return []
+    before = found.before.fit
+    read = np.concatenate([np.arange(c.start, c.stop) for c in problem.curves if not c.beforehand])
+    told = []
+    for way in ways:
+        place = [one.name for one in problem.own].index(way.name)
+        loose = problem.counting_from_anywhere(way.name)
+        freed = fit(loose, found.noise, {}, before.x)
+        zero, farthest = float(freed.x[place]), loose.own[place].high
+        beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
+        if beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2) and way.high < abs(zero) < farthest:
+            told.append(
+                f"Were {way.name} {zero:.3g} mm, though known to {way.prior_sd:.2g} mm, the model would meet "
+                "these readings without any effect: look again where the machine counts from before anything is said "
+                "to lack."
+            )
+    return told
