@@ -61,7 +61,8 @@ def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart
     if not np.any(search.problem.channel > 0):
         return None
     richer = [held(search, base, search.state(one), apart) for one in search.richer(best.fit, free=False)]
-    good = [state for state in richer if is_no_worse(base, state, apart)]
+    # One whose constants the data do not tell would take the name with it.
+    good = [state for state in richer if is_no_worse(base, state, apart) and pruned(search, state) is state]
     return min(good, key=lambda state: state.fit.cost, default=None)
 
 

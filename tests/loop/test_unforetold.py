@@ -1,14 +1,19 @@
-"""Names that no other test can foretell, on two straight lines of which the second has a bump, and a step in it."""
+"""Names that no other test can foretell, on two straight lines of which the second has a bump, and a step in it; and
+forms that the data do not tell."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hyperfab.arrays import Array
+from hyperfab.loop import no_worse
 from hyperfab.loop.engine import close
+from hyperfab.loop.judge import Evidence
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
 
 ROWS, SD = 120, 0.05
@@ -54,3 +59,27 @@ def test_a_second_name_that_leaves_more_than_something_else_would_is_not_told(ri
     found = close(two_lines(60.0, 15.0, ripple), noise=SD, design=False)
     assert found.verdict == "unexplained"
     assert not found.after.ids
+
+
+@pytest.mark.parametrize("certain", [True, False])
+def test_a_richer_form_stands_in_only_where_the_data_tell_its_constants(
+    certain: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wedge foretells forces worse than nothing does; a quadric of which nothing is sure foretells none."""
+
+    def form(worse: bool) -> Any:
+        return SimpleNamespace(ids=("thickness-variation",), worse=worse, fit=SimpleNamespace(cost=1.0))
+
+    base, wedge, quadric = SimpleNamespace(ids=(), worse=False), form(True), form(False)
+    wedge.fit.rich = quadric
+    search: Any = SimpleNamespace(
+        problem=SimpleNamespace(channel=np.array([0, 1])),
+        richer=lambda simple, free: [simple.rich],
+        state=lambda fitted: fitted,
+        without=lambda state, name: base,
+        evidence=lambda smaller, larger: Evidence(460.0, 1.0, None, certain=certain),
+    )
+    monkeypatch.setattr(no_worse, "held", lambda search, base, state, apart: state)
+    monkeypatch.setattr(no_worse, "is_no_worse", lambda base, state, apart: not state.worse)
+    found = no_worse.of_same_names(search, base, wedge, None)  # type: ignore[arg-type]
+    assert found is (quadric if certain else None)
