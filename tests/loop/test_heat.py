@@ -18,6 +18,7 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
+from hyperfab.loop.catalogue.heat import DataContext, base_conduction
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.thermal.sensors import lagging
 
@@ -237,3 +238,11 @@ def test_sensor_lag_of_a_mold_is_found_and_written(hf: Run, tmp_path: Path) -> N
     named = {effect["id"] for effect in found["effects"]} | {name for one in found["indistinguishable"] for name in one}
     assert "sensor-lag" in named
     assert hf("mold-heat", found["model"], cwd=tmp_path, timeout=300).returncode == 0
+
+
+def test_a_mold_with_a_film_all_around_is_told_how_its_base_is_sought() -> None:
+    """``exposed`` takes in the underside, through which no heat would be sought in silence."""
+    around = DataContext(3600.0, 150.0, 1000.0, films=1, heaters=1, opened=0, declared=0, probes=3, bench=False,
+                         emits=False, typical_film=10.0)  # fmt: skip
+    assert "[[insulated]]" in base_conduction(around).not_sought
+    assert not base_conduction(replace(around, bench=True)).not_sought

@@ -99,7 +99,7 @@ def base_conduction(context: DataContext) -> Effect:
     return Effect(
         id="base-conduction",
         title="heat leaves through the base",
-        not_sought="" if context.bench else "every outer face has a film",
+        not_sought="" if context.bench else "every outer face has a film: name what it stands on in [[insulated]]",
         shown_by="a thermocouple in the base plate beside one at the work surface, over a cool-down",
         source="Newton's law of cooling at the support",
         forms=(
