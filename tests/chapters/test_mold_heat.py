@@ -385,6 +385,23 @@ def test_wishes_that_a_mold_cannot_have_are_refused(tmp_path):
             heat(tmp_path, PLATE, **options)
 
 
+def test_a_mold_that_begins_above_its_target_is_told_and_no_power_is_sought(tmp_path):
+    text = PLATE.replace('"25 degC"\nuntil', '"90 degC"\ntarget = "80 degC"\nuntil')
+    _, document, said = heat(tmp_path, text)
+    assert document["warmup_time_s"] == 0.0
+    assert any("begins at the target of 80 degC or above it" in words for words in said)
+    with pytest.raises(InputError, match="begins at 90 degC, and the target is 80 degC") as refused:
+        heat(tmp_path, text, warmup_in="2 min")
+    assert refused.value.key == "run.start"
+
+
+def test_a_held_work_surface_is_at_its_warmup_as_warm_as_it_is_held(tmp_path):
+    held = '[[temperature]]\non = "plate.z+"\nvalue = "100 degC"\n'
+    _, document, _ = heat(tmp_path, HEAD + held + PROBE + RUN.replace("until", 'target = "90 degC"\nuntil'))
+    assert document["warmup_time_s"] == 0.0
+    assert document["work_surface"]["at_warmup"]["mean_degC"] == pytest.approx(100.0, abs=1e-9)
+
+
 def test_a_slow_thermometer_follows_behind(plate, tmp_path):
     text = PLATE.replace('name = "centre"', 'name = "centre"\nlag = "20 s"')
     _, document, _ = heat(tmp_path, text)

@@ -241,6 +241,11 @@ def _say(job: Job, result: HeatDocument, target: float | None, still: bool) -> N
             "nothing heats or cools the mold, it stays at the temperature it began at: give a [[heater]], "
             "or another start"
         )
+    if result.warmup_time_s == 0.0:
+        console.warn(
+            f"the work surface begins at the target of {target:g} degC or above it: the warm-up is 0 s; for the time "
+            "it takes to cool, give until in place of the target and read NAME.history.csv"
+        )
     if work is not None and target is not None and work.mean_degC > target + _FAR_ABOVE:
         console.warn(
             f"the work surface ends at {work.mean_degC:.0f} degC, {work.mean_degC - target:.0f} K above the target: "
@@ -364,6 +369,7 @@ def design(
             scale(factor)
             return warmup()
 
+        _refuse_hot(case, document, problem, start)
         result.warmup_wanted_s = case.warmup_in
         result.power_factor, result.runs = scale_for_warmup(case.warmup_in, time)
         scale(result.power_factor)
@@ -376,3 +382,17 @@ def design(
             remedy="allow more power a heater, or a longer --warmup-in",
         )
     return result
+
+
+def _refuse_hot(case: MoldCase, document: MoldDocument, problem: Problem, start: Array) -> None:
+    """Refuse to choose powers for a warm-up that is over as it begins."""
+    target, surface = document.run.target, problem.work_surface
+    assert target is not None and surface is not None  # ``check`` and the document saw to it
+    begins = dot(surface.mean_weights, problem.model.hold(0.0, start))
+    if begins >= target:
+        raise InputError(
+            f"--warmup-in: the work surface begins at {begins:.6g} degC, and the target is {target:g} degC",
+            file=case.mold,
+            key="run.start",
+            remedy="begin below the target, or leave --warmup-in out",
+        )

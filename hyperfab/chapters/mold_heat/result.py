@@ -59,7 +59,10 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
     if problem.pieces is not None:
         result.production = describe(problem.pieces, history)
     if problem.work_surface is not None and reached is not None and result.work_surface is not None:
-        found = surface.evenness(problem.work_surface, history.states[reached].temperature)
+        there = history.states[reached].temperature
+        if reached == 0:  # reached at once: by places that are held, which jump
+            there = problem.model.hold(0.0, there)
+        found = surface.evenness(problem.work_surface, there)
         result.work_surface.at_warmup = _evenness(found)
     return result
 
