@@ -28,26 +28,43 @@ _CUTS = {
 }
 
 
-def dense(surface: Surface, towards: Array, smooth: bool = True) -> Surface:
-    """Return the same surface with its large flat facets that look ``towards`` (3,) the other mold cut, and their
+def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True) -> Surface:
+    """Return the same surface with its large flat facets that look ``towards`` (3,) the ``other`` mold cut, and their
     neighbours where they meet them.
+
+    Beneath a smaller mold facets are cut to the measure of that: beside its edges the gap goes from one facet to the
+    next by as much as they are long.
 
     >>> from hyperfab.surface import Surface
     >>> square = Surface(
     ...     np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]])
     ... )
-    >>> fine = dense(square, np.array([0.0, 0, 1]))
+    >>> fine = dense(square, np.array([0.0, 0, 1]), square)
     >>> len(fine.faces), float(fine.areas.sum().round(12))
     (2048, 1.0)
     """
     vertices, faces = surface.vertices, surface.faces
-    size = float(np.ptp(vertices, axis=0).max())
+    size = _size(surface)
     flat = np.abs(curving(surface, smooth).bulge).max(axis=(1, 2)) <= _FLAT * size
     flat &= surface.normals @ towards > LOOKING
-    while True:
-        vertices, faces, flat, cut = _cut(vertices, faces, flat, _LONGEST * size)
-        if not cut:
-            return surface if len(faces) == len(surface.faces) else Surface(vertices, faces)
+    longest = _LONGEST * size
+    cut = True
+    while cut:
+        vertices, faces, flat, cut = _cut(vertices, faces, flat, longest)
+    shorter = _LONGEST * _size(other)
+    across = np.eye(3) - np.outer(towards, towards)
+    box = other.vertices @ across
+    low, high = box.min(axis=0) - longest, box.max(axis=0) + longest
+    cut = shorter < longest
+    while cut:
+        corners = (vertices @ across)[faces]
+        beneath = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
+        vertices, faces, flat, cut = _cut(vertices, faces, flat & beneath, shorter)
+    return surface if len(faces) == len(surface.faces) else Surface(vertices, faces)
+
+
+def _size(surface: Surface) -> float:
+    return float(np.ptp(surface.vertices, axis=0).max())
 
 
 def _cut(vertices: Array, faces: Ints, flat: Flags, longest: float) -> tuple[Array, Ints, Flags, bool]:

@@ -662,3 +662,25 @@ def _drape():
         "mold": {"facets": 1, "closed": True, "shift_mm": [0.0, 0.0, 30.0]},
         "files": ["drape.vtu"],
     }
+
+
+def test_a_small_female_over_a_large_flat_male_is_met_to_its_edges(tmp_path, monkeypatch):
+    """Beside the female's edges the nearest point is the edge: a ring of foam as wide as it reaches bears there too."""
+    for name, low, high in (("male", (-100, -100, -20), (200, 200, 0)), ("female", (0, 0, 10), (100, 100, 30))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(*cuboid(np.array(low, float), np.array(high, float))))
+    (tmp_path / "foam.toml").write_text(FOAM)
+    status, document = press(tmp_path, monkeypatch, gap="3mm", strokes=2)
+    assert status == 0
+    beside = np.linspace(0.0, np.sqrt(4.5**2 - 3.0**2), 2001)
+    gap = np.hypot(3.0, beside)
+    axial = 0.05 * (1.0 - gap / 4.5) * 3.0 / gap * (4 * 100.0 + 2 * np.pi * beside)
+    force = 0.05 * (1.0 - 3.0 / 4.5) * 100.0**2 + np.trapezoid(axial, beside)
+    area = 100.0**2 + 400.0 * beside[-1] + np.pi * beside[-1] ** 2
+    assert document["force_N"] == pytest.approx(force, rel=0.025)
+    assert document["contact_area_mm2"] == pytest.approx(area, rel=0.01)
+
+
+def cuboid(low, high):
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return low + corners * (high - low), np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])

@@ -387,7 +387,8 @@ def design(
 def _refuse_hot(case: MoldCase, document: MoldDocument, problem: Problem, start: Array) -> None:
     """Refuse to choose powers for a warm-up that is over as it begins."""
     target, surface = document.run.target, problem.work_surface
-    assert target is not None and surface is not None  # ``check`` and the document saw to it
+    assert target is not None  # ``check`` saw to it,
+    assert surface is not None  # the document to this
     begins = dot(surface.mean_weights, problem.model.hold(0.0, start))
     if begins >= target:
         raise InputError(

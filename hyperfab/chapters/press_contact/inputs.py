@@ -66,8 +66,8 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
                     job.console.warn(f"{name}: all facets face away from the other mold; they were turned over")
             smooth = case.facets == "smooth"
             male, female = (
-                dense(surface, side * frame.direction, smooth)
-                for surface, side in zip(surfaces, (1.0, -1.0), strict=True)
+                dense(surface, side * frame.direction, other, smooth)
+                for surface, other, side in zip(surfaces, surfaces[::-1], (1.0, -1.0), strict=True)
             )
             return male, female, frame
     raise failure or InputError("the molds do not face each other")
