@@ -51,9 +51,10 @@ def scale_for_warmup(wanted: float, warmup: Callable[[float], float | None]) -> 
     (3.5, True)
     """
     rate = 1.0 / wanted
+    times: dict[float, float | None] = {0.0: None}
 
     def miss(factor: float) -> float:
-        time = warmup(factor)
+        time = times[factor] = warmup(factor)
         return (0.0 if time is None else (1.0 / time if time > 0.0 else np.inf)) - rate
 
     low, high = 0.0, 1.0
@@ -80,7 +81,12 @@ def scale_for_warmup(wanted: float, warmup: Callable[[float], float | None]) -> 
             high_miss *= 0.5 if side < 0 else 1.0
             side = -1
     if abs(best_miss) > 100 * TIME_TOLERANCE * rate:
-        raise NotConverged("the power for the wanted warm-up time was not found", remedy="widen the tolerance")
+        slow = times[low]
+        raise NotConverged(
+            f"the power for a warm-up of {wanted:g} s was not found: {high:.6g} times what is given takes "
+            f"{times[high] or 0.0:.4g} s, {low:.6g} times {'never gets there' if slow is None else f'{slow:.4g} s'}",
+            remedy="ask for a shorter one: near its rest a mold's time says nothing of its power",
+        )
     return best, runs
 
 

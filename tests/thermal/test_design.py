@@ -66,3 +66,12 @@ def test_a_wanted_time_is_met_however_bent_its_law(power, wanted):
     factor, runs = scale_for_warmup(wanted, lambda s: 300.0 / s**power)
     assert factor == pytest.approx((300.0 / wanted) ** (1.0 / power), rel=1e-4)
     assert runs <= 12
+
+
+def test_a_time_that_no_power_tells_apart_from_rest_is_refused_with_the_times_beside_it():
+    def warmup(factor):
+        return -1000.0 * np.log1p(-1.0 / factor) if factor > 1.0 + 1e-9 else None
+
+    assert scale_for_warmup(3000.0, warmup)[0] == pytest.approx(1.0 / (1.0 - np.exp(-3.0)), rel=1e-4)
+    with pytest.raises(NotConverged, match=r"40000 s .* times never gets there; ask for a shorter one"):
+        scale_for_warmup(40000.0, warmup)
