@@ -174,14 +174,22 @@ def _fit(length: float, time: float, stop: float | None) -> tuple[float, bool]:
 
 
 def _accepted(model: Model, state: State, length: float, tolerance: float) -> tuple[Step, float, int]:
-    """Take a step, shorter until its error is allowed."""
+    """Take a step, shorter until its stages settle and its error is allowed."""
+    unsettled: NotConverged | None = None
     for rejected in range(40):
-        step = take_step(model, state, length)
-        if step.error <= tolerance:
-            return step, length, rejected
-        length *= min(_factor(step.error, tolerance), 0.9)
+        try:
+            step = take_step(model, state, length)
+        except NotConverged as error:  # a film that falls steeply: the shorter the step, the more storage outweighs it
+            unsettled = error
+            length *= LEAST_FACTOR
+        else:
+            if step.error <= tolerance:
+                return step, length, rejected
+            length *= min(_factor(step.error, tolerance), 0.9)
         if length <= 1e-12 * max(state.time, 1e-6):
             break
+    if unsettled is not None:
+        raise unsettled
     raise NotConverged(f"the time step at {state.time:.6g} s falls below any use", remedy="check tables for jumps")
 
 

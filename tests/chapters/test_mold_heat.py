@@ -395,6 +395,31 @@ def test_a_mold_that_begins_above_its_target_is_told_and_no_power_is_sought(tmp_
     assert refused.value.key == "run.start"
 
 
+def test_a_quench_through_a_film_that_falls_steeply_is_followed_in_shorter_steps(tmp_path):
+    """Water boils most at 120 degC and keeps off a hotter wall: against the thin plate as one body, by Runge-Kutta."""
+    film = np.array([[20.0, 500.0], [100.0, 2000.0], [120.0, 20000.0], [130.0, 500.0], [400.0, 300.0]])
+    table = "\n".join(f"{celsius:g},{h:g}" for celsius, h in film)
+    (tmp_path / "film.csv").write_text(f"temperature [degC],h [W/m^2/K]\n{table}\n")
+    wet = '[[convection]]\non = "exposed"\nh = { table = "film.csv" }\nambient = "20 degC"\n'
+    run = RUN.replace('"25 degC"', '"400 degC"').replace("300 s", "8 s")
+    head = HEAD.replace("20 mm", "0.5 mm")
+    _, document, _ = heat(tmp_path, head + wet + PROBE.replace('"20 mm"]', '"0.5 mm"]') + run)
+    area = 2.0 * (100 * 80 + 180 * 0.5) * 1e-6
+    capacity = document["heat_capacity_J_K"]
+
+    def rate(celsius):
+        return -area * np.interp(celsius, *film.T) * (celsius - 20.0) / capacity
+
+    celsius, step = 400.0, 1e-3
+    for _ in range(8000):
+        first = rate(celsius)
+        second = rate(celsius + 0.5 * step * first)
+        third = rate(celsius + 0.5 * step * second)
+        celsius += step / 6.0 * (first + 2.0 * second + 2.0 * third + rate(celsius + step * third))
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(celsius, abs=0.5)
+    assert document["energy"]["imbalance_relative"] < 1e-8
+
+
 def test_a_held_work_surface_is_at_its_warmup_as_warm_as_it_is_held(tmp_path):
     held = '[[temperature]]\non = "plate.z+"\nvalue = "100 degC"\n'
     _, document, _ = heat(tmp_path, HEAD + held + PROBE + RUN.replace("until", 'target = "90 degC"\nuntil'))
