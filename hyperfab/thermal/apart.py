@@ -62,6 +62,24 @@ def apart(mesh: HeatMesh) -> list[Apart]:
     return found
 
 
+def barely(mesh: HeatMesh) -> list[tuple[int, int]]:
+    """Return pairs of part numbers that meet in an edge or a point alone, and by no faces through other parts.
+
+    ``mesh`` is that of the mesher: nodes that the two share carry heat, as much as the elements there are large.
+    """
+    count = int(mesh.parts.max()) + 1
+    facets = mesh.facets
+    joined = mesh.parts[np.stack([facets.element, facets.other])[:, ~facets.outer]]
+    links = sparse.coo_matrix((np.ones(joined.shape[1]), joined), shape=(count, count))
+    label = connected_components(links, directed=False)[1]
+    if (label == label[0]).all():
+        return []
+    corners = np.stack([np.repeat(mesh.parts, 4), mesh.elements[:, :4].ravel()])
+    has = sparse.coo_matrix((np.ones(corners.shape[1]), corners), shape=(count, mesh.vertices)).tocsr()
+    shared = (has @ has.T).tocoo()
+    return [(int(i), int(j)) for i, j in zip(shared.row, shared.col, strict=True) if i < j and label[i] != label[j]]
+
+
 def _facets(points: Array, faces: Ints) -> Surface:
     """Return the surface that ``faces`` make, of the points they use alone."""
     from hyperfab.surface import Surface  # 0.7 s to load, and seldom asked for

@@ -598,6 +598,15 @@ def test_an_stl_in_inches_touches_the_box_it_was_drawn_on(tmp_path):
     assert document["work_surface"]["mean_degC"] == pytest.approx(even, rel=0.01)
 
 
+def test_parts_that_meet_in_an_edge_alone_are_told(tmp_path):
+    """The nodes of the edge carried heat to the second block, by the size of the elements there."""
+    block = HEAD[HEAD.index("[[part]]") :].replace('"plate"', '"block"')
+    assert '["0 mm", "0 mm", "0 mm"]' in block
+    beside = block.replace('["0 mm", "0 mm", "0 mm"]', '["100 mm", "0 mm", "20 mm"]')
+    [said] = heat(tmp_path, HEAD + beside + HEATER + RUN)[2]
+    assert said.startswith("parts 'plate' and 'block' meet in an edge or a point alone")
+
+
 def test_a_part_that_touches_no_other_is_told_with_its_distance(tmp_path):
     status, document, said = stacked(tmp_path, 0.3)
     assert status == 0

@@ -19,7 +19,7 @@ from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid
-from hyperfab.thermal.apart import Apart, apart
+from hyperfab.thermal.apart import Apart, apart, barely
 from hyperfab.thermal.condition import Renewal, Thermostat
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -113,6 +113,7 @@ class MoldBuilder:
         geometry, raw = self.meshed
         mesh = build_mesh(raw.points / 1e3, raw.elements, raw.parts, raw.surface, raw.surface_face)
         self.doubts += [self._alone(one) for one in apart(mesh)]
+        self.doubts += [self._barely(*pair) for pair in barely(mesh)]
         faces = Faces(mesh, geometry)
         joints = []
         split = np.zeros(len(mesh.facets.element), dtype=bool)
@@ -175,6 +176,14 @@ class MoldBuilder:
         return (
             f"{whose} {touches} no other: the nearest, {nearest}, is {1e3 * one.gap:.2g} mm away, and no heat passes "
             "between them; if they are to touch, let their faces lie in one plane"
+        )
+
+    def _barely(self, first: int, second: int) -> str:
+        """Say that two parts meet in no face."""
+        one, other = (repr(self.document.part[number].name) for number in (first, second))
+        return (
+            f"parts {one} and {other} meet in an edge or a point alone, and what heat passes there is the mesh's doing: "
+            "let faces of both lie in one plane, or leave a gap between them"
         )
 
     def as_one_body(self, volumes: Array) -> str:
