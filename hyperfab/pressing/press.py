@@ -184,14 +184,15 @@ class Press:
         start = value(0.0)
         if start == 0.0:
             return 0.0
-        # A gap changes by no more than the travel, so the first guess never passes the zero.
-        near, step = 0.0, -start
-        far = near + step
-        size = float(np.ptp(self.female.vertices, axis=0).max())
-        while value(far) * start > 0.0:
-            near, step = far, 2.0 * step
-            far = near + step
-            if abs(far) > 4.0 * size:
+        # A gap changes by no more than the travel, so the first guess never passes the zero; what then is left of the
+        # margin says how far to go on: whole steps would leap through the molds, where its rounding alone is left.
+        near, left, factor = 0.0, start, 1.0
+        far = -start
+        farthest = abs(start) + 4.0 * float(np.ptp(self.female.vertices, axis=0).max())
+        while (margin_there := value(far)) * start > 0.0:
+            near, left, factor = far, margin_there, 2.0 * factor
+            far = near - factor * left
+            if abs(far) > farthest:
                 raise InputError(
                     "the molds never part along the closing axis" if start < 0.0 else "the molds never touch",
                     remedy="check --axis and the two STL files",

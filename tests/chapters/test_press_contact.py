@@ -684,3 +684,14 @@ def cuboid(low, high):
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return low + corners * (high - low), np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))])
+
+
+def test_molds_far_apart_are_closed_to_their_first_touch_and_not_through_each_other(tmp_path, monkeypatch):
+    """From a first guess that falls short by a tilt, or by rounding, twice the way led out at the other side."""
+    for name, low, high in (("male", (0, 0, -20), (100, 100, 0)), ("female", (0, 0, 10), (100, 100, 30))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(*cuboid(np.array(low, float), np.array(high, float))))
+    (tmp_path / "foam.toml").write_text(FOAM)
+    status, document = press(tmp_path, monkeypatch, gap="200mm", tilt="0.05deg,0deg", strokes=2)
+    assert status == 0
+    first = 4.5 - 200.0 + 50.0 * np.sin(np.radians(0.05))  # the edge that the tilt lowers touches first
+    assert document["stroke_mm"] == pytest.approx(first, abs=1e-3)

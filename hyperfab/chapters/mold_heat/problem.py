@@ -182,8 +182,8 @@ class MoldBuilder:
         """Say that two parts meet in no face."""
         one, other = (repr(self.document.part[number].name) for number in (first, second))
         return (
-            f"parts {one} and {other} meet in an edge or a point alone, and what heat passes there is the mesh's doing: "
-            "let faces of both lie in one plane, or leave a gap between them"
+            f"parts {one} and {other} meet in an edge or a point alone, and the heat that passes there is the mesh's "
+            "doing: let faces of both lie in one plane, or leave a gap between them"
         )
 
     def as_one_body(self, volumes: Array) -> str:
