@@ -128,9 +128,10 @@ def _read_sheet(
     for (kind, direction, specimen), rows in groups.items():
         loading = loadings[kind]
         curve = replace(loading.curve, lines=lines, **known).take(rows)
+        turned: tuple[str, ...] = ()
         if _is_table_from_its_end(curve):
             curve = curve.take(slice(None, None, -1))
-            notes.append("a table from its longest stretch through rest, without a time: read from its other end")
+            turned = ("a table from its longest stretch through rest, without a time: read from its other end",)
         part = TestData(
             **{
                 **vars(curve),
@@ -143,7 +144,7 @@ def _read_sheet(
                 "aspect": sizes.aspect if loading.extended else None,
             },
             left_out=sheet.left_out,
-            notes=(*loading.notes, *notes),
+            notes=(*loading.notes, *turned, *notes),
             metadata=metadata,
         )
         odd = refuse_impossible(part, sheet, columns, clock)

@@ -388,3 +388,11 @@ def test_a_table_from_its_far_end_through_rest_is_read_from_the_other() -> None:
     assert branches(timed.principal).tolist() == [-1, -1, -1, 1, 1]
     there_and_back = read([*rows, (0.0, 0.0), (-0.2, -0.5)], head)
     assert there_and_back.lines.tolist() == [3, 4, 5, 6, 7, 8, 9]
+
+
+def test_of_several_specimens_in_a_file_each_is_turned_by_itself() -> None:
+    rows = [("a", 1.4, 0.3), ("a", 1.1, 0.1), ("a", 0.8, -0.2), ("b", 1.1, 0.1), ("b", 1.4, 0.3)]
+    text = "# test: uniaxial\nspecimen,stretch [-],stress [MPa]\n" + "".join(f"{n},{x},{y}\n" for n, x, y in rows)
+    turned, as_read = read_tests(text.encode(), "both.csv")
+    assert (turned.lines.tolist(), as_read.lines.tolist()) == ([5, 4, 3], [6, 7])
+    assert [any("other end" in note for note in one.notes) for one in (turned, as_read)] == [True, False]
