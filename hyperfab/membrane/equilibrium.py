@@ -337,7 +337,8 @@ class Press:
         change = -system.spring * ((step[nodes] * normal).sum(axis=1) + near.gap[nodes])
         pressed = (system.terms.force * normal).sum(axis=1) + change
         step *= min(1.0, _LARGEST_STEP * self.sheet.reach / max(float(np.abs(step).max()), 1e-300))
-        step *= (part := self._part_that_descends(depth, places, system, step, careful) if careful else 1.0)
+        part = self._part_that_descends(depth, places, system, step, careful) if careful else 1.0
+        step *= part
         # On a flat facet a taut sheet lies without pressing: rounding must not decide there.
         flat = near.facet is not None
         chosen = (self.punch.near(places + step, depth).gap < (-_GAP_TOLERANCE if flat else 0.0)) & self._movable

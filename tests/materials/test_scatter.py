@@ -15,7 +15,7 @@ from hyperfab.chapters.fit.describe import uncertainty
 from hyperfab.chapters.fit.identify import Identified, Setting, identify
 from hyperfab.chapters.fit.orthotropic import fit_sheet
 from hyperfab.curve import TestCurve
-from hyperfab.documents.material import FitUncertainty
+from hyperfab.documents.certainty import FitUncertainty
 from hyperfab.materials.identification.scatter import Weighed, _correlated, by_readings
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip

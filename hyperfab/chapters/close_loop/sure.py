@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.documents.material import FitUncertainty, MaterialDocument
+from hyperfab.documents.certainty import FitUncertainty
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit
 from hyperfab.numerics.propagation import Source

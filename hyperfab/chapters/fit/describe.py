@@ -11,15 +11,14 @@ import numpy as np
 from hyperfab.chapters.fit.doubts import Outlier
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.documents.certainty import FitUncertainty, ScatterPart
 from hyperfab.documents.material import (
     AtTemperature,
     Direction,
     FitFigures,
-    FitUncertainty,
     MaterialDocument,
     ModelRow,
     OutlierReading,
-    ScatterPart,
     StablePlane,
     StableRange,
     Tested,

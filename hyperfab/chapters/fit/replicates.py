@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import kind_of, specimen_of
 from hyperfab.curve import TestCurve
-from hyperfab.documents.material import NextSpecimen, Replicates
+from hyperfab.documents.certainty import NextSpecimen, Replicates
 from hyperfab.numerics.hygiene import first_loading
 from hyperfab.numerics.propagation import LEVEL
 

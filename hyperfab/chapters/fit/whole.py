@@ -87,12 +87,13 @@ class WholeFit(ABC, Generic[EnergyT]):
         figures: Callable[[int], FitFigures | None] = lambda number: None,
     ) -> list[AtTemperature] | None:
         """Return the constants at each temperature of the tests, where there are several, and their ``figures``."""
-        rows = [
+        if len([t for t in self.temperatures if t is not None]) < 2:
+            return None
+        return [
             AtTemperature(temperature_degC=t, parameters=seen(law), fit=figures(number))
             for number, (t, law) in enumerate(zip(self.temperatures, self.laws, strict=True))
             if t is not None
         ]
-        return rows if len(rows) > 1 else None
 
     def error(self, curves: Sequence[TestCurve]) -> Figures | None:
         """Return how far the law is from the readings, None where it has no state of rest there."""

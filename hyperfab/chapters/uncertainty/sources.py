@@ -19,7 +19,8 @@ from hyperfab.cases.place import get, put
 from hyperfab.chapters.fabric import ORTHOTROPIC
 from hyperfab.chapters.uncertainty.changed import CaseT, Changed, Kept, Place, inside, there
 from hyperfab.documents.base import Document, parse_document
-from hyperfab.documents.material import AtTemperature, Direction, FitUncertainty, MaterialDocument
+from hyperfab.documents.certainty import FitUncertainty
+from hyperfab.documents.material import AtTemperature, Direction, MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve, largest_stress
-from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, Rows
+from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, HyperfoamLaw, Rows
 from hyperfab.materials.identification.linear import least_in_box
 from hyperfab.materials.identification.scatter import Weighed
 
@@ -70,8 +70,8 @@ def optimum(law: Hyperfoam, tests: Sequence[TestCurve], kept: bool = False) -> t
         model += read
         curve.append(np.full(sum(map(len, read)), k))
     stress = residual + np.concatenate(model)  # of a stretch across there is none
-    fields = [(f"mu{i + 1}_MPa", f"alpha{i + 1}", f"nu{i + 1}") for i in range(terms)]
-    names = np.array(fields).T.ravel()[free]
+    known = HyperfoamLaw(terms)
+    names = np.array([*known.linear, *known.nonlinear])[free]
     by_constant = jacobian / np.repeat([sought.scale, 1.0, 1.0], terms)
     return tuple(names.tolist()), Weighed(by_constant[:, free], residual, np.nan_to_num(stress), np.concatenate(curve))
 
