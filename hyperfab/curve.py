@@ -73,6 +73,12 @@ class TestCurve:
         }
         return replace(self, **columns)
 
+    def of_deviations(self) -> Self | None:
+        """Return the curve with the standard deviations of its stresses in their place; None where none are stated."""
+        if self.stress_sd is None:
+            return None
+        return replace(self, stress=self.stress_sd, stress2=None if self.stress2 is None else self.stress_sd)
+
     def is_at(self, temperature: float | None) -> bool:
         """Whether it was measured at a temperature, or nothing says at which."""
         return self.temperature in (temperature, None)

@@ -64,7 +64,9 @@ def run(job: Job, case: FitCase) -> int:
     readings.warnings[:0] = aspect_warnings(tests)
     chosen = _chosen(case.fit_on, readings)
     if noise is not None:
-        readings.preparation.append(f"noise of {noise:g} MPa taken into account in the weights")
+        # What a reading of a foam counts hangs on its test alone.
+        counts = "how sure the constants are" if foam else "the weights"
+        readings.preparation.append(f"noise of {noise:g} MPa taken into account in {counts}")
     setting = Setting(chosen, relative and not foam, case.stable, case.accept, noise)
     fitted = _whole if whole else _by_direction
     document, beside = fitted(job, readings, setting, case)

@@ -295,6 +295,12 @@ def deviation(reading: TestCurve, noise: float | None) -> Array | float | None:
     return reading.stress_sd if reading.stress_sd is not None else noise
 
 
+def with_deviation(curve: TestCurve, noise: float | None) -> TestCurve:
+    """Return the curve with the deviation of each reading where it is stated, by itself or by the ``noise``."""
+    sd = deviation(curve, noise)
+    return curve if sd is None else replace(curve, stress_sd=np.broadcast_to(sd, curve.stress.shape))
+
+
 def near_zero(reading: TestCurve, noise: float | None) -> Array:
     """Return the stress [MPa] below which each reading of a curve counts by its absolute error; 0: always relative."""
     sd = deviation(reading, noise)

@@ -18,6 +18,7 @@ from hyperfab.chapters.fit.identify import (
     specimen_of,
     temperatures_of,
     tested,
+    with_deviation,
 )
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
@@ -266,20 +267,21 @@ def _certainty(found: Found, curves: Sequence[TestCurve], turned: bool) -> Certa
 
 
 def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Setting) -> list[TestCurve]:
-    own = [curve for curve in curves if curve.is_at(temperature)]
+    own = [with_deviation(curve, setting.noise) for curve in curves if curve.is_at(temperature)]
     found = []
     for curve in own:
         alike = [other for other in own if (other.mode, other.direction_name) == (curve.mode, curve.direction_name)]
+        weight = _weight(curve, curve.stress, setting, alike)
         second = curve.stress2 if curve.mode.startswith("biaxial") else None
         weight2 = None if second is None else _weight(curve, second, setting, alike)
         if curve.mode == "uniaxial" and curve.stretch2 is not None:
-            # The width's error counts against the largest contraction of its direction.
+            # The width's error counts against the largest contraction of its direction as, in an absolute fit, that of
+            # the stress does against the largest stress.
             widths = [other.stretch2 for other in alike if other.stretch2 is not None]
             largest = max(float(np.abs(width - 1.0).max()) for width in widths)
-            weight2 = np.full(len(curve.stretch), 1.0 / max(largest, 1e-6))
-        found.append(
-            replace(curve, weight=_weight(curve, curve.stress, setting, alike), stress2=second, weight2=weight2)
-        )
+            counts = 1.0 if setting.relative else largest_stress(alike) * float(weight.mean())
+            weight2 = np.full(len(curve.stretch), counts / max(largest, 1e-6))
+        found.append(replace(curve, weight=weight, stress2=second, weight2=weight2))
     return found
 
 

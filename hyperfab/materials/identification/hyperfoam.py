@@ -64,16 +64,23 @@ def optimum(law: Hyperfoam, tests: Sequence[TestCurve], kept: bool = False) -> t
     room = np.repeat([_NO_TERM, *(_END * (end[1] - end[0]) for end in (ALPHAS, RATIOS))], terms)
     free = (z > low + room) & (z < high - room) & (np.arange(3 * terms) < (terms if kept else 3 * terms))
     residual, jacobian = sought.equations(law)
-    model, curve = [], []
-    for k, one in enumerate(tests):
-        read = [one.stress * one.weights, *([] if one.contraction is None else [np.full(len(one.stress), np.nan)])]
-        model += read
-        curve.append(np.full(sum(map(len, read)), k))
-    stress = residual + np.concatenate(model)  # of a stretch across there is none
+    stated = [one for one in (test.of_deviations() for test in tests) if one is not None]
+    deviation = np.concatenate(_read(stated)) if len(stated) == len(tests) else None
+    read = _read(tests)
+    curve = np.repeat(np.arange(len(tests)), [len(one) for one in read])
+    stress = residual + np.concatenate(read)
     known = HyperfoamLaw(terms)
     names = np.array([*known.linear, *known.nonlinear])[free]
     by_constant = jacobian / np.repeat([sought.scale, 1.0, 1.0], terms)
-    return tuple(names.tolist()), Weighed(by_constant[:, free], residual, np.nan_to_num(stress), np.concatenate(curve))
+    return tuple(names.tolist()), Weighed(by_constant[:, free], residual, np.nan_to_num(stress), curve, deviation)
+
+
+def _read(tests: Sequence[TestCurve]) -> list[Array]:
+    """Return the weighted stresses of the equations of each test; of a stretch across there is no number."""
+    return [
+        np.concatenate([one.stress * one.weights, np.full(0 if one.contraction is None else len(one.stress), np.nan)])
+        for one in tests
+    ]
 
 
 def nearest_foam(own: Mapping[str, float], tests: Sequence[TestCurve]) -> dict[str, float]:

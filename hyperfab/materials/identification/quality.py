@@ -92,9 +92,10 @@ def certainty(
     it, or else with its neighbours, by what the law misses (``scatter.by_readings``). How specimens scatter is not in
     them.
     """
-    found = Weighed(fit.jacobian, fit.residual, fit.problem.b - fit.residual, fit.problem.rows.curve)
-    weighed = None if deviation is None else fit.problem.rows.weight * deviation
-    return sure_of(found, fit.material.law.names, _by_parameter(fit, group), specimens, kinds, weighed)
+    rows = fit.problem.rows
+    weighed = None if deviation is None else rows.weight * deviation
+    found = Weighed(fit.jacobian, fit.residual, fit.problem.b - fit.residual, rows.curve, weighed)
+    return sure_of(found, fit.material.law.names, _by_parameter(fit, group), specimens, kinds)
 
 
 def sure_of(
@@ -103,10 +104,8 @@ def sure_of(
     change: Array,
     specimens: Sequence[Hashable] | None = None,
     kinds: Sequence[Hashable] | None = None,
-    deviation: Array | None = None,
 ) -> Certainty:
-    """Return how sure constants ``names`` are that move by ``change`` (p, q) with the columns of a Jacobian; of the
-    weighted equations the standard ``deviation`` (rows,), where it is stated."""
+    """Return how sure constants ``names`` are that move by ``change`` (p, q) with the columns of a Jacobian."""
     J = fit.jacobian
     rows, count = J.shape
     length = lengths(J)
@@ -121,8 +120,8 @@ def sure_of(
     scatter = by_specimen(fit, change, specimens, kinds) if specimens and kinds else None
     if scatter is not None:
         covariance = scatter.covariance
-    elif deviation is not None:
-        moved = spread @ U.T * deviation
+    elif fit.deviation is not None:
+        moved = spread @ U.T * _stated(fit, leverage)
         covariance = moved @ moved.T
     else:
         covariance = by_readings(fit, U, spread)
@@ -138,8 +137,16 @@ def sure_of(
         leverage=leverage,
         studentised=_studentised(fit.residual, leverage, sse, freedom),
         scatter=scatter,
-        stated=scatter is None and deviation is not None,
+        stated=scatter is None and fit.deviation is not None,
     )
+
+
+def _stated(fit: Weighed, leverage: Array) -> Array:
+    """Return the standard deviation of each row, of those that are no stresses as what they leave tells it."""
+    sd = np.asarray(fit.deviation)
+    others = np.isnan(sd)
+    freedom = max(np.count_nonzero(others) - leverage[others].sum(), 1.0)
+    return np.where(others, np.linalg.norm(fit.residual[others]) / np.sqrt(freedom), sd)
 
 
 def _studentised(residual: Array, leverage: Array, sse: float, freedom: int) -> Array:

@@ -54,12 +54,15 @@ class Weighed:
     """A least-squares optimum: ``jacobian`` (rows, q) and ``residual`` (rows,) of the weighted equations.
 
     ``model`` (rows,) is the weighted stress the law gives, zero in rows that are none; ``curve`` each row's curve.
+    ``deviation`` (rows,) is the weighted standard deviation where it is stated of all stresses, no number in rows that
+    are none.
     """
 
     jacobian: Array
     residual: Array
     model: Array
     curve: Ints
+    deviation: Array | None = None
 
 
 def by_readings(fit: Weighed, basis: Array, spread: Array) -> Array:

@@ -98,7 +98,9 @@ def identify(tests: Sequence[TestCurve], near: Orthotropic | None = None) -> Fou
     rows = Gathered.of(before)
     residual, jacobian = free.equations(rows, z)
     full = free.full(jacobian, z, names)
-    optimum = Weighed(full, residual, np.nan_to_num(residual + rows.stresses), rows.curve)
+    stated = [one for one in (test.of_deviations() for test in tests) if one is not None]
+    deviation = Gathered.of(stated).stresses if len(stated) == len(tests) else None
+    optimum = Weighed(full, residual, np.nan_to_num(residual + rows.stresses), rows.curve, deviation)
     return Found(law, float(residual @ residual), names, unknown, optimum)
 
 
