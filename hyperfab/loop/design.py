@@ -15,6 +15,8 @@ from hyperfab.loop.problem import Extra, Problem
 from hyperfab.loop.thresholds import clearly
 
 _MOST_RIVALS = 3
+#: A law that foretells so many times the largest reading foretells nothing: it was carried beyond its range.
+_ABSURD = 1e3
 
 
 @dataclass(frozen=True)
@@ -40,19 +42,19 @@ def next_measurement(problem: Problem, noise: Noise, fits: Sequence[Fit]) -> lis
     if len(chosen) < 2:
         return []
     found = [
-        NextMeasurement(extra.text, extra.details, _smallest_misfit(extra, noise, chosen, len(problem.measured)))
+        NextMeasurement(extra.text, extra.details, _smallest_misfit(extra, noise, chosen, problem.measured))
         for extra in problem.extras()
     ]
     return sorted(found, key=lambda one: -one.misfit)
 
 
-def _smallest_misfit(extra: Extra, noise: Noise, fits: Sequence[Fit], old: int) -> float:
-    smallest = np.inf
+def _smallest_misfit(extra: Extra, noise: Noise, fits: Sequence[Fit], measured: Array) -> float:
+    smallest, most = np.inf, _ABSURD * float(np.abs(measured).max())
     for i, truth in enumerate(fits):
         target = extra.problem.predict(truth.x[: truth.own], truth.terms)
-        if not np.all(np.isfinite(target)):
+        if not np.all(np.abs(target) < most):
             return 0.0
-        wider = _extended(noise, target, old, extra.problem)
+        wider = _extended(noise, target, len(measured), extra.problem)
         for j, rival in enumerate(fits):
             # The best against each other, both ways; two losers need not be told apart.
             if i == j or (i > 0 and j > 0):

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.measured_tests import Measured
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.curve import TestCurve
-from hyperfab.documents.material import MaterialDocument, Undetermined
+from hyperfab.documents.material import Direction, MaterialDocument, Undetermined
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.materials.orthotropic import ABSENT, Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
@@ -108,6 +108,20 @@ def test_a_sheet_without_threads_may_lack_them() -> None:
     told, problem = posed(MaterialDocument(model="orthotropic", parameters={"C10_MPa": 0.1}), 0.0, 90.0)
     assert told.model == "yeoh-1"
     assert not problem.effect("anisotropy").not_sought
+
+
+def test_a_sheet_told_by_pulls_along_one_thread_is_its_ground() -> None:
+    """`hf fit` then writes all constants of the sheet beside its only direction too."""
+    sheet = {**ABSENT, "C10_MPa": 0.1, "nu": 0.3}
+    document = MaterialDocument(
+        model="orthotropic", parameters=sheet, directions={"warp": Direction(parameters=dict(sheet))}
+    )
+    told, problem = posed(document, 0.0)
+    stress = problem.predict(values(problem), {})[:14]
+    exact = strip(Orthotropic.of(sheet), 0.0, np.linspace(1.0, 1.25, 14)).stress
+    assert stress == pytest.approx(exact, abs=1e-9)
+    again = written(told, problem, values(problem), compressibility=("uniform", np.array([0.3])))
+    assert again.model == "yeoh-1"
 
 
 def test_a_sheet_that_softens_with_the_temperature_is_found_soft(hf: Run, tmp_path: Path) -> None:

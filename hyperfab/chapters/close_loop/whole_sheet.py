@@ -48,8 +48,8 @@ def in_terms(document: MaterialDocument, name: str, tests: Sequence[TestCurve]) 
         threads = {key: sheet.parameters[key] for key in own}
         record = {"id": "anisotropy", "form": "sheet", "parameters": threads, "told_by": REST.told_by}
         records.append({**record, "ground": ground, "law": law.name})
-    else:
-        found.model, found.parameters = law.name, ground
+    else:  # a ground alone is the same along warp and weft
+        found.model, found.parameters, found.directions = law.name, ground, None
     if "nu" in has:
         records.append({"id": "compressibility", "form": "uniform", "parameters": {"nu": sheet.parameters["nu"]}})
     found.effects = records + (document.effects or [])
