@@ -18,7 +18,7 @@ from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
-from hyperfab.chapters.close_loop.words import _effect, _far_from_known, _no_other
+from hyperfab.chapters.close_loop.words import _beside_scatter, _effect, _far_from_known, _no_other
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
@@ -526,3 +526,28 @@ def test_whether_what_was_found_comes_on_top_of_what_the_model_has_is_told(added
     problem: Any = SimpleNamespace(effect={"friction": entry}.__getitem__)
     more = ", added to what the model has" * added
     assert _effect(problem, effect) == f"friction: it rubs (Coulomb: mu 0.4272{more}); the evidence is decisive."
+
+
+@pytest.mark.parametrize(("gains", "told"), [((0.85, 1.15), True), ((1.0, 1.0), False)])
+def test_what_was_added_is_told_beside_how_specimens_differ(gains: tuple[float, float], told: bool) -> None:
+    """Two specimens stiffer and softer by 15 %: the rms hardly moves, though all that each leaves is explained."""
+    stretch = np.linspace(1.0, 1.5, 60)
+    lacks, whole = 0.9 * stress(stretch) + 0.01 * np.sin(30.0 * stretch), stress(stretch)
+    measured = np.concatenate([gain * whole for gain in gains])
+    before, after = (SimpleNamespace(fit=SimpleNamespace(predicted=np.tile(one, 2))) for one in (lacks, whole))
+    size = [float(np.sqrt(np.mean((measured - one.fit.predicted) ** 2))) for one in (before, after)]
+    errors: Any = SimpleNamespace(
+        error=SimpleNamespace(
+            before=SimpleNamespace(rms=1.05 * size[1]), after=SimpleNamespace(rms=size[1]), unit="MPa"
+        )
+    )
+    groups = (np.arange(60), np.arange(60, 120))
+    found: Any = SimpleNamespace(
+        noise=SimpleNamespace(gain_sd=float(np.std(gains)), groups=groups), before=before, after=after
+    )
+    problem: Any = SimpleNamespace(measured=measured)
+    said = list(_beside_scatter(problem, found, errors))
+    assert bool(said) == told
+    if told:
+        assert "without, by" in said[0]
+        assert float(said[0].split(" with what was added")[0].split()[-2]) == pytest.approx(0.0, abs=1e-12)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, size_of, told_of
 from hyperfab.chapters.close_loop.origins import another_frame, another_zero
 from hyperfab.chapters.close_loop.sure import caution
@@ -32,6 +32,8 @@ _OTHER_PROBE = 1.5
 _OWN = "gauge it by itself: it would be further off than what is known of it"
 #: An entry is told beside what was found from this probability on.
 _MIGHT = 0.1
+#: An error that falls by less than this share does not show what was added.
+_HIDDEN = 0.1
 _END = ", the farthest it may go"
 
 
@@ -52,6 +54,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     lines += [_effect(problem, effect) for effect in document.effects]
     if document.effects:
         lines.append(f"With that it misses by {size_of(document.error.after, document.error.unit)}.")
+        lines += _beside_scatter(problem, found, document)
     if document.contraction is not None:
         lines.append(_contraction(document.contraction))
     if document.held_out is not None:
@@ -209,6 +212,31 @@ def _shares(noise: NoiseFigures) -> str:
         return ""
     taken = ", as those of one cloth scatter" if noise.assumed_scatter else ""
     return f" ({noise.sd:.2g} within a specimen, {' and '.join(shares)} between specimens{taken})"
+
+
+def _beside_scatter(problem: Problem, found: Finding, document: LoopDocument) -> Iterator[str]:
+    """Yield what is missed beside how specimens differ in stiffness, where that hides what the effects explain."""
+    error = document.error
+    if found.noise.gain_sd == 0.0 or error.after.rms < (1.0 - _HIDDEN) * error.before.rms:
+        return
+    before, after = (
+        _rms_beside_stiffness(problem.measured, one.fit.predicted, found.noise.groups)
+        for one in (found.before, found.after)
+    )
+    if after < (1.0 - _HIDDEN) * before:
+        yield (
+            f"Most of that is how specimens differ: each taken to be as stiff as it is by itself, the model misses by "
+            f"{before:.3g} {error.unit} without, by {after:.3g} {error.unit} with what was added."
+        )
+
+
+def _rms_beside_stiffness(measured: Array, predicted: Array, specimens: Sequence[Ints]) -> float:
+    """Return the rms of what is left of stresses once those of each specimen are scaled to its readings."""
+    left = []
+    for rows in specimens:
+        model, own = predicted[rows], measured[rows]
+        left.append(own - model * (own @ model) / (model @ model))
+    return float(np.sqrt(np.mean(np.concatenate(left) ** 2)))
 
 
 def _least(document: LoopDocument) -> tuple[str, float]:

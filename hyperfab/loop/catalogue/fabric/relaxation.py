@@ -139,29 +139,31 @@ def rate(context: DataContext) -> Effect:
     )
 
 
-def _shares(count: int) -> list[Constant]:
+def _shares(count: int, most: float = 20.0) -> list[Constant]:
     """Return the shares of the branches of a spectrum."""
-    return [Constant(f"g_{k}", 0.0, 0.0, 20.0, 0.1) for k in range(1, count + 1)]
+    return [Constant(f"g_{k}", 0.0, 0.0, most, 0.1) for k in range(1, count + 1)]
 
 
 def _by_the_clock_of_the_material(context: DataContext, forms: Sequence[Form], free: Form) -> tuple[list[Form], Form]:
     """Return Maxwell branches, and the spectrum ``free``, whose times shift with temperature."""
     kelvin = 273.15 + (float(np.mean(context.temperatures)) if len(context.temperatures) else 20.0)
     clock = Constant("shift_1_K", 0.0, 0.0, 1.0, 0.02), Constant("fall_K", kelvin, 20.0, 2000.0, 50.0)
-    # At the reference times may be as much shorter or longer than the tests as the shift makes them elsewhere.
-    widest = 1e4
+    # At the reference times may be as much shorter or longer than the tests as the shift makes them elsewhere, and from
+    # a rubber to its glass is a factor of a thousand and more in stiffness.
+    widest, glass = 1e4, 1e4
+
+    def wider(one: Constant) -> Constant:
+        if one.name.startswith("tau"):
+            return replace(one, low=one.low / widest, high=one.high * widest)
+        return replace(one, high=glass) if one.name.startswith("g") else one
 
     def shifted(name: str) -> Form:
         plain = next(form for form in forms if form.name == name)
-        wider = [
-            replace(one, low=one.low / widest, high=one.high * widest) if one.name.startswith("tau") else one
-            for one in plain.constants
-        ]
         simpler = {"prony-2": "prony-1", "prony-3": "prony-2", "prony-3-bent": "prony-2-bent"}
         before = (f"{simpler[name]}-shifted",) if name in simpler else ()
         return Form(
             f"{name}-shifted",
-            (*wider, *clock),
+            (*map(wider, plain.constants), *clock),
             tuple((*plain.starts[0], shift, kelvin) for shift in (0.05, 0.2)),
             refines=(name, *before),
         )
@@ -170,5 +172,5 @@ def _by_the_clock_of_the_material(context: DataContext, forms: Sequence[Form], f
     ends = [fixed(one.name, one.value * by) for one, by in zip(free.constants[:2], (1e-4, 1e3), strict=True)]
     start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.1, kelvin)
     found = [shifted(name) for name in names]
-    spectrum = (*ends, *free.constants[2:4], *_shares(10), *clock)
+    spectrum = (*ends, *free.constants[2:4], *_shares(10, glass), *clock)
     return found, freely((*forms, *found), "smooth-shifted", spectrum, start)
