@@ -164,13 +164,13 @@ def _by_the_clock_of_the_material(context: DataContext, forms: Sequence[Form], f
         return Form(
             f"{name}-shifted",
             (*map(wider, plain.constants), *clock),
-            tuple((*plain.starts[0], shift, kelvin) for shift in (0.05, 0.2)),
+            tuple((*plain.starts[0], shift, fall) for shift, fall in ((0.05, kelvin), (0.2, kelvin), (0.15, 100.0))),
             refines=(name, *before),
         )
 
     names = ("prony-1", "prony-2", "prony-3", "prony-2-bent", "prony-3-bent")
     ends = [fixed(one.name, one.value * by) for one, by in zip(free.constants[:2], (1e-4, 1e3), strict=True)]
-    start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.1, kelvin)
+    start = (ends[0].value, ends[1].value, 0.0, 0.0, *10 * (0.1,), 0.15, 100.0)
     found = [shifted(name) for name in names]
     spectrum = (*ends, *free.constants[2:4], *_shares(10, glass), *clock)
     return found, freely((*forms, *found), "smooth-shifted", spectrum, start)
