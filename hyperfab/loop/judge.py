@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.special import chdtrc, fdtrc
+from scipy.special import chdtrc, chdtri, fdtrc
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.fitting import Fit
@@ -20,6 +20,9 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.score import Signature, greatest_by_chance, signatures
 from hyperfab.loop.thresholds import ALPHA, FEWEST, MARGIN, MOST, SHARE, SMALL
+
+#: Of how large the noise may be.
+_QUANTILES = 400
 
 
 @dataclass(frozen=True)
@@ -58,12 +61,12 @@ def judge(problem: Problem, noise: Noise, fit: Fit, found: list[Signature]) -> J
         structured=structured(fit, problem, noise),
         beside_machine=structured(fit, problem, noise, noise.least),
         p_lack_of_fit=min(
-            _by_chance(ratio, free, noise.dof),
-            _worst_by_chance(fit, noise.dof, problem.curves),
+            _by_chance(ratio, free, noise),
+            _worst_by_chance(fit, noise, problem.curves),
             float(chdtrc(len(off), off @ off)) if len(off) else 1.0,  # 1 where no two specimens scatter
         ),
         p_autocorrelation=autocorrelation(fit.residual, problem.curves),
-        p_greatest_score=greatest_by_chance(found, noise.dof),
+        p_greatest_score=greatest_by_chance(found, noise),
     )
 
 
@@ -135,15 +138,20 @@ def _beyond_of_each(fit: Fit, problem: Problem, weight: Array) -> list[float]:
     return found
 
 
-def _by_chance(ratio: float, free: float, dof: float) -> float:
-    """Return the probability of a mean square as great as ``ratio``; the noise is known with ``dof``."""
-    return float(fdtrc(free, dof, ratio) if np.isfinite(dof) else chdtrc(free, ratio * free))
+def _by_chance(ratio: float, free: float, noise: Noise) -> float:
+    """Return the probability of a mean square as great as ``ratio``; the noise is known with degrees of freedom."""
+    if not np.isfinite(noise.dof):
+        return float(chdtrc(free, ratio * free))
+    if noise.raised == 1.0:
+        return float(fdtrc(free, noise.dof, ratio))
+    drawn = chdtri(noise.dof, (np.arange(_QUANTILES) + 0.5) / _QUANTILES)
+    return float(np.mean(chdtrc(free, ratio * free / noise.louder(drawn))))
 
 
-def _worst_by_chance(fit: Fit, dof: float, curves: Sequence[Curve]) -> float:
+def _worst_by_chance(fit: Fit, noise: Noise, curves: Sequence[Curve]) -> float:
     """Return the probability of the test that misses most, all of them counted: what one lacks many may hide."""
     each = [
-        _by_chance(float(np.mean(fit.residual[curve.rows] ** 2)), float(curve.stop - curve.start), dof)
+        _by_chance(float(np.mean(fit.residual[curve.rows] ** 2)), float(curve.stop - curve.start), noise)
         for curve in curves
         if not curve.beforehand and curve.stop - curve.start >= FEWEST
     ]

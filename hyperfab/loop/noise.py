@@ -26,6 +26,7 @@ class Noise:
     pairs of specimens. ``groups`` are the rows of each specimen, ``across`` those of its transverse stretch, ``alike``
     and ``alike_across`` which of these are of each way of testing; where they are ``centred`` they scatter about a mean
     of their own, which is told.
+    ``raised`` is how many times what readings tell of it the noise is, where a machine is off by more at least.
     ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch. ``least`` is what a
     machine may be off, in all tests alike, as a share of the largest reading of each.
     """
@@ -46,6 +47,17 @@ class Noise:
     measured: Array = field(default_factory=lambda: np.empty(0))
     centred: bool = False
     least: float = 0.0
+    raised: float = 1.0
+
+    def louder(self, chi_squared: Array) -> Array:
+        """Return how many times as large its variance is where what told it drew a ``chi_squared`` of its ``dof``.
+
+        >>> few, drew = Noise(np.ones(1), 4.0, "differences"), np.array([1.0, 4.0, 8.0])
+        >>> few.louder(drew).tolist(), replace(few, raised=1.25).louder(drew).tolist()
+        ([4.0, 1.0, 0.5], [2.56, 1.0, 1.0])
+        """
+        told = self.dof / chi_squared / self.raised**2
+        return np.maximum(told, 1.0) if self.raised > 1.0 else told
 
     @property
     def is_correlated(self) -> bool:

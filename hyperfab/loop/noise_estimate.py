@@ -40,7 +40,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
     white noise, noise alike in neighbouring rows, and stiffness that differs from specimen to specimen.
     """
     y = problem.measured
-    sd, dof, source, louder = np.empty(len(y)), np.inf, "", np.ones(len(y))
+    sd, dof, source, louder, raised = np.empty(len(y)), np.inf, "", np.ones(len(y)), np.ones(len(y))
     for channel in sorted({curve.channel for curve in problem.curves}):
         curves = [curve for curve in problem.curves if curve.channel == channel]
         rows = np.concatenate([np.arange(curve.start, curve.stop) for curve in curves])
@@ -58,7 +58,8 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
                     if np.any(least > sd[rows])
                     else how
                 )
-                sd[rows] = np.maximum(sd[rows], least)
+                raised[rows] = np.maximum(least / sd[rows], 1.0)
+                sd[rows] *= raised[rows]
         source = source or how
     free = stated is None and problem.stated_sd is None
     across_sd = rho = 0.0
@@ -80,6 +81,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         pattern=np.where(problem.channel == 1, 1.0 - y, y),
         measured=y.copy(),
         least=problem.least_noise if free else 0.0,
+        raised=float(np.min(raised)),
     )
     if free and np.any(problem.channel == 1):
         # No law bends a width as fast as it wanders; of stresses that is not known.

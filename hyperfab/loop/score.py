@@ -103,17 +103,17 @@ def points_at(signature: Signature) -> float:
     return abs(signature.robust_z) if both else max(signature.robust_z, 0.0)
 
 
-def greatest_by_chance(found: list[Signature], dof: float) -> float:
+def greatest_by_chance(found: list[Signature], noise: Noise) -> float:
     """Return the probability that noise alone gives a score as great as the greatest of ``found``.
 
     The look-elsewhere effect is counted: many entries, alike as they are. The draws have a fixed seed; the
-    noise level is itself known with ``dof`` degrees of freedom only.
+    noise level is itself known with degrees of freedom only.
     """
     if not found:
         return 1.0
     seen = max(abs(signature.z) for signature in found)
     bound = float(len(found) * erfc(seen / np.sqrt(2.0)))
-    if bound < _CLEAR and dof > 30.0:
+    if bound < _CLEAR and noise.dof > 30.0:
         return bound
     directions = np.stack([signature.direction for signature in found])
     alike = directions @ directions.T
@@ -121,8 +121,8 @@ def greatest_by_chance(found: list[Signature], dof: float) -> float:
     root = vectors * np.sqrt(np.maximum(values, 0.0))
     random = np.random.default_rng(20240607)
     draws = np.abs(random.standard_normal((_DRAWS, len(found))) @ root.T).max(axis=1)
-    if np.isfinite(dof):
-        draws = draws / np.sqrt(random.chisquare(dof, _DRAWS) / dof)
+    if np.isfinite(noise.dof):
+        draws = draws * np.sqrt(noise.louder(random.chisquare(noise.dof, _DRAWS)))
     return float((1 + np.sum(draws >= seen)) / (1 + _DRAWS))
 
 

@@ -124,6 +124,10 @@ def test_an_effect_of_one_sign_does_not_point_the_other_way() -> None:
     assert points_at(one) == 0.0
 
 
+def known(dof: float) -> Noise:
+    return Noise(np.ones(1), dof, "told")
+
+
 @pytest.mark.parametrize("seen", [1.5, 2.5, 3.5])
 def test_the_greatest_of_a_score_by_chance(seen: float) -> None:
     """One entry: Student's tails. Two at right angles: 1 - (1 - p)^2, the noise being known."""
@@ -131,18 +135,19 @@ def test_the_greatest_of_a_score_by_chance(seen: float) -> None:
     one, two = signatures(problem, WHITE, fit(problem, WHITE, {}, [1.0, 2.0]), problem.effects)
     single = 2.0 * norm.sf(seen)
     object.__setattr__(one, "z", seen)
-    assert greatest_by_chance([one], np.inf) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
+    assert greatest_by_chance([one], known(np.inf)) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
     across = two.direction - one.direction * float(one.direction @ two.direction)
     object.__setattr__(two, "direction", across / np.linalg.norm(across))
     object.__setattr__(two, "z", 0.0)
     both = 1.0 - (1.0 - single) ** 2
-    assert greatest_by_chance([one, two], np.inf) == pytest.approx(both, abs=4.0 * math.sqrt(both / 2000) + 1e-3)
+    exact = known(np.inf)
+    assert greatest_by_chance([one, two], exact) == pytest.approx(both, abs=4.0 * math.sqrt(both / 2000) + 1e-3)
     # Alike, they count for one.
     object.__setattr__(two, "direction", one.direction)
-    assert greatest_by_chance([one, two], np.inf) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
+    assert greatest_by_chance([one, two], exact) == pytest.approx(single, abs=4.0 * math.sqrt(single / 2000) + 1e-3)
     # A noise that is known by four readings makes great scores commoner.
-    assert greatest_by_chance([one], 4.0) > 1.2 * greatest_by_chance([one], np.inf)
-    assert greatest_by_chance([], 10.0) == 1.0
+    assert greatest_by_chance([one], known(4.0)) > 1.2 * greatest_by_chance([one], known(np.inf))
+    assert greatest_by_chance([], known(10.0)) == 1.0
 
 
 def test_an_orthonormal_basis_spans_its_columns() -> None:

@@ -12,7 +12,9 @@ from loop.generators import fabric as truths
 from hyperfab.curve import TestCurve
 from hyperfab.loop.contact import ForceDepth, contact_problem
 from hyperfab.loop.emulator import Axis
-from hyperfab.loop.fabric import fabric_problem
+from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.judge import Judgement, judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens, estimate_noise
 from hyperfab.materials.registry import law
@@ -116,3 +118,37 @@ def test_replicates_read_elsewhere_tell_how_neighbouring_readings_err_alike(rho:
     size, alike = np.mean(found, axis=0)
     assert size == pytest.approx(sd, rel=0.08)
     assert alike == pytest.approx(rho, abs=0.08)
+
+
+LAM = np.array([1.04, 1.06, 1.08, 1.1, 1.12, 1.14, 1.16, 1.2, 1.24, 1.3, 1.6, 1.9, 2.2, 2.5, 2.8, 3.1])
+
+
+def few_readings(bend: float, share: float, seed: int = 0) -> FabricProblem:
+    """Sixteen readings of a rubber, ``bend`` of its stress missing at the end, errors a share of the peak."""
+    stress = 0.4 * (LAM - LAM**-5) * (1.0 - bend * (LAM - 1.0) / 2.1)
+    error = share * stress.max() * np.random.default_rng(seed).standard_normal(len(LAM))
+    curve = TestCurve("biaxial", LAM, np.round(stress + error, 5), source="a.csv")
+    return fabric_problem(law("neo-hookean"), (0.2,), [curve])
+
+
+def left_by_the_law(problem: FabricProblem) -> Judgement:
+    noise = estimate_noise(problem)
+    return judge(problem, noise, fit(problem, noise, {}, [problem.own[0].value]), [])
+
+
+def test_a_noise_that_a_machine_has_at_least_is_not_unknown_for_few_readings() -> None:
+    """Readings smoother than a machine is sure of (Kawabata's, of 1981) miss a law by four times that: no noise."""
+    problem = few_readings(bend=0.08, share=1e-4)
+    noise = estimate_noise(problem)
+    assert noise.dof < 6.0
+    assert noise.raised > 3.0
+    found = left_by_the_law(problem)
+    assert found.structured > 1.0
+    assert found.p_lack_of_fit < 1e-3
+
+
+@pytest.mark.parametrize("share", [0.002, 0.005, 0.01])
+def test_noise_of_few_readings_is_seldom_called_a_lack_of_fit(share: float) -> None:
+    """Below the machine's class never; about it and above, where so few tell it too low, no more than it should."""
+    chance = [left_by_the_law(few_readings(0.0, share, seed)).p_lack_of_fit for seed in range(200)]
+    assert np.mean(np.array(chance) < 0.005) <= 0.02

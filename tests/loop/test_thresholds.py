@@ -66,7 +66,8 @@ def suspects(probability: float) -> tuple[str, ...]:
 def judged_alone(rows: int) -> bool:
     """Whether a test of so many rows that misses by ten standard deviations is seen by itself."""
     left = SimpleNamespace(residual=np.full(rows, 10.0))
-    return judge._worst_by_chance(left, np.inf, [Curve("t", 0, rows, np.arange(rows))]) < 0.5  # type: ignore[arg-type]
+    noise = Noise(np.ones(rows), np.inf, "")
+    return judge._worst_by_chance(left, noise, [Curve("t", 0, rows, np.arange(rows))]) < 0.5  # type: ignore[arg-type]
 
 
 def read(rows: int) -> bool:

@@ -241,6 +241,17 @@ def test_strips_on_both_sides_of_45_degrees_tell_warp_and_weft():
         assert np.abs(strip(found.law, angle, LAM).stress / own - 1.0).max() < 0.05
 
 
+def test_a_single_slanted_strip_tells_one_stiffness_that_of_the_ground():
+    """Its angle's resistance as well would take all of it, and the grips of a short strip what is left."""
+    law = Orthotropic.of({"C10_MPa": 0.05})
+    pull = dataclasses.replace(_pulls(law, 45.0), aspect=1.3)
+    found = identify([pull])
+    assert "G_MPa" not in found.sought
+    assert {one.name: one.test for one in found.unknown}["G_MPa"] == "a uniaxial test along warp or weft"
+    assert found.law.parameters["C10_MPa"] == pytest.approx(0.05, rel=0.1)
+    assert "G_MPa" in sought_by([_pulls(law, 0.0), _pulls(law, 45.0)])[0]
+
+
 def test_biaxial_tests_at_several_ratios_tell_the_contraction_and_the_second_invariant():
     law = Orthotropic.of({**KNIT, "k1_bias_MPa": 0.0, "G_MPa": 0.0})
     tests = []

@@ -78,9 +78,12 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
             found.append(name)
         else:
             open_.append((name, test))
-    # Threads both ways and the resistance of the angle are three stiffnesses.
-    if slanted and (len(ways) > 2 or not spread):
+    # Threads both ways and the resistance of the angle are three stiffnesses; a single strip has one, the ground's.
+    several = len(ways) > 1 or len(modes) > 1
+    if slanted and several and (len(ways) > 2 or not spread):
         found.append("G_MPa")
+    elif slanted and not several:
+        open_.append(("G_MPa", "a uniaxial test along warp or weft"))
     else:
         which = "a third angle" if slanted else "an angle"
         open_.append(("G_MPa", f"a uniaxial test at {which}, as 45 deg"))
