@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
+from hyperfab.cases.kinds import File
 from hyperfab.cases.like import Earlier
 from hyperfab.cases.options import words
 from hyperfab.chapters.commands import run
@@ -102,8 +103,12 @@ def rerun(case: Case, target: str, given: Mapping[str, bytes] = {}) -> Made:
 
 def command_line(case: Case, target: str, given: Container[str], *more: str) -> str:
     """Return what runs a case beside the document ``target``, with ``more`` words; the files ``given`` are to come."""
-    shown = [relative_name(word, target) if os.path.exists(word) or word in given else word for word in words(case)]
-    return shlex.join(["hf", case.COMMAND, *shown, *more])
+
+    def seen(word: str) -> str:
+        file, part = File.parted(word)
+        return relative_name(file, target) + part if os.path.exists(file) or file in given else word
+
+    return shlex.join(["hf", case.COMMAND, *map(seen, words(case)), *more])
 
 
 def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:

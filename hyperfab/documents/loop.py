@@ -165,6 +165,9 @@ class Upstream(Part):
     error: Errors | None = optional("of the whole chain run anew with the corrected document, beside it as it was")
     written: str | None = optional("the corrected document, relative to this one")
     command: str | None = optional("the command that takes it, from this document's folder")
+    then: list[str] = Field(
+        default_factory=list, description="the commands that follow, which make the model of what that one makes"
+    )
     chapters: list[ChapterTried]
     indistinguishable: list[str] = Field(
         default_factory=list, description="chapters of which one is off, and these data cannot tell which"

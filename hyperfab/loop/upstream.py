@@ -3,7 +3,8 @@
 A chapter is what one document upstream says: the foam, the fabric's constants, the molds' temperature, how the press is
 mounted. Its constants have a covariance beforehand, and a chapter at fault may be off by a few times that (``SCALES``,
 alike beforehand), in all of them or, as likely, in one and those that err with it. Against each stand that all is as
-stated, and that it is something else: a smooth field over the places, or readings noisier than they were told to be.
+stated, and that it is something else: a smooth field over the places, or readings noisier than they were told to be;
+and, where a chapter put right leaves more than noise, such a field beside it.
 Laplace's approximation at each chapter's own best constants (MacKay, Information Theory, Inference, and Learning
 Algorithms, 2003, chapter 27).
 """
@@ -11,13 +12,14 @@ Algorithms, 2003, chapter 27).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.sparse.csgraph import connected_components
-from scipy.special import logsumexp
+from scipy.special import expit, logsumexp
 
 from hyperfab.arrays import Array, Flags
+from hyperfab.loop.belief import allowed
 from hyperfab.loop.known import SCALES
 from hyperfab.loop.thresholds import MARGIN, ODDS, SHARE
 from hyperfab.numerics.propagation import Source
@@ -70,7 +72,10 @@ class Readings:
 @dataclass(frozen=True)
 class Blamed:
     """A chapter at its best: what its constants change by (k,) with their sd (k,), what is predicted then (n,), the
-    logarithm of its marginal likelihood, and ``runs`` of the whole chain: changes (k,) and what is shown there (n,)."""
+    logarithm of its marginal likelihood, and ``runs`` of the whole chain: changes (k,) and what is shown there (n,).
+
+    ``beside`` (f,) is how much likelier (logarithms) they are with a field beside it, of each size and length; none
+    while no run tells."""
 
     chapter: Chapter
     change: Array
@@ -78,6 +83,7 @@ class Blamed:
     predicted: Array
     evidence: float
     runs: tuple[tuple[Array, Array], ...] = ()
+    beside: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def off(self) -> float:
@@ -119,7 +125,8 @@ def trace(readings: Readings, stated: Array, chapters: Sequence[Chapter]) -> Tra
     """
     sd = _inexact(readings, stated)
     blamed = {one.name: _blamed(one, readings, stated, sd) for one in chapters}
-    return _weighed(readings, stated, blamed, _something((readings.measured - stated) / sd, readings))
+    each = np.concatenate(_something((readings.measured - stated) / sd, readings))
+    return _weighed(readings, stated, blamed, _mean(each))
 
 
 def run_anew(found: Trace, name: str, shown: Array, last: bool) -> tuple[Trace, bool]:
@@ -146,6 +153,7 @@ def run_anew(found: Trace, name: str, shown: Array, last: bool) -> tuple[Trace, 
     settled = float(np.sqrt(np.mean(((again.predicted - shown) / readings.sd) ** 2))) < _NEAR
     if settled or last:
         again = replace(again, change=blamed.change, predicted=shown)
+        again = replace(again, beside=_beside(readings, found.stated, shown))
     return _weighed(readings, found.stated, {**found.blamed, name: again}, found.something), settled
 
 
@@ -157,9 +165,25 @@ def _inexact(readings: Readings, stated: Array) -> Array:
     return np.asarray(readings.sd * np.sqrt(1.0 + SHARE * beyond))
 
 
+def _beside(readings: Readings, stated: Array, shown: Array) -> Array:
+    """Return how much likelier (f,), logarithms, the readings are with a field beside a chapter that shows (n,) than
+    with noise of any size, of each size and length: not at all where that leaves no more than a right name may."""
+    before, left = ((readings.measured - one) / readings.sd for one in (stated, shown))
+    beyond, beside = (float(np.sqrt(max(np.mean(one**2) - 1.0, 0.0))) for one in (before, left))
+    noisier, fields = _something(left, readings)
+    if beside <= allowed(beyond):
+        return np.full(len(fields), -np.inf)
+    return np.asarray(fields - max(_mean(noisier), readings.likely(float(left @ left), 0.0)))
+
+
+def _mean(logarithms: Array) -> float:
+    return float(logsumexp(logarithms) - np.log(len(logarithms)))
+
+
 def _weighed(readings: Readings, stated: Array, blamed: Mapping[str, Blamed], something: float) -> Trace:
     sd = _inexact(readings, stated)
     left = (readings.measured - stated) / sd
+    # By itself, or beside a chapter that was put right.
     evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: something}
     evidence |= {name: one.evidence for name, one in blamed.items()}
     # Beforehand it is as likely as not that nothing is off; all that may be are alike.
@@ -167,9 +191,18 @@ def _weighed(readings: Readings, stated: Array, blamed: Mapping[str, Blamed], so
     weights = np.array([evidence[name] + np.log(prior[name]) for name in evidence])
     shares = np.exp(weights - logsumexp(weights))
     probability = dict(zip(evidence, map(float, shares), strict=True))
+    # That a chapter is off, and something else beside it, is no less likely than that it is by itself.
+    for name, one in blamed.items():
+        if len(one.beside):
+            beside = probability[name] * float(expit(_mean(one.beside)))
+            probability[name] -= beside
+            probability[ELSE] += beside
     fits = {name: float(np.sum(((readings.measured - one.predicted) / sd) ** 2)) for name, one in blamed.items()}
     likely = {name: readings.likely(misfit, 0.0) for name, misfit in fits.items()}
-    suspects = _with_alike(_suspects(probability), probability, likely)
+    suspects = _suspects(probability)
+    if suspects and suspects[0] in blamed:
+        likely[ELSE] = likely[suspects[0]] + float(np.max(blamed[suspects[0]].beside, initial=-np.inf))
+    suspects = _with_alike(suspects, probability, likely)
     return Trace(probability, blamed, stated, suspects, readings, something)
 
 
@@ -187,8 +220,8 @@ def _suspects(probability: Mapping[str, float]) -> tuple[str, ...]:
 def _with_alike(
     found: tuple[str, ...], probability: Mapping[str, float], likely: Mapping[str, float]
 ) -> tuple[str, ...]:
-    """Return the suspects and chapters that explain the readings about as well as the likeliest, by what is ``likely``
-    (a logarithm) with each at its best.
+    """Return the suspects and what else explains the readings about as well as the likeliest, by what is ``likely`` (a
+    logarithm) with each at its best.
 
     Of these only what was taken to be known of their constants tells which it is, and that has to be clear.
 
@@ -283,20 +316,23 @@ def _slope(chapter: Chapter, root: Array, sd: Array, place: Array, value: Array)
     return np.array(columns).T.reshape(len(value), len(place))
 
 
-def _something(left: Array, readings: Readings) -> float:
-    """Return the logarithm of the marginal likelihood of whitened readings (n,) that are off by no chapter's doing.
-
-    A Gaussian field of one length over the places, another for each kind of reading; or more noise.
+def _something(left: Array, readings: Readings) -> tuple[Array, Array]:
+    """Return the logarithms of the marginal likelihoods of whitened readings (n,) that are off by no chapter's doing:
+    by more noise, of each size (s,); by a Gaussian field over the places, another for each kind of reading, of each
+    length and size (f,).
     """
     span = float(np.ptp(readings.places, axis=0).max()) or 1.0
     apart = np.linalg.norm(readings.places[:, None, :] - readings.places[None, :, :], axis=2) / span
     alike = readings.kind[:, None] == readings.kind[None, :]
-    eye = np.eye(len(left))
-    found = []
-    for mode in (eye, *(np.where(alike, np.exp(-0.5 * (apart / one) ** 2), 0.0) for one in _LENGTHS)):
+
+    def likely(mode: Array) -> list[float]:
         values, vectors = np.linalg.eigh(mode)
         along = (vectors.T @ left) ** 2
+        found = []
         for size in _SIZES:
             variance = 1.0 + size**2 * np.maximum(values, 0.0)
             found.append(readings.likely(float(np.sum(along / variance)), float(np.sum(np.log(variance)))))
-    return float(logsumexp(found) - np.log(len(found)))
+        return found
+
+    fields = [likely(np.where(alike, np.exp(-0.5 * (apart / one) ** 2), 0.0)) for one in _LENGTHS]
+    return np.array(likely(np.eye(len(left)))), np.concatenate(fields)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.stats import multivariate_t
 
 from hyperfab.arrays import Array
 from hyperfab.loop import upstream
-from hyperfab.loop.upstream import ELSE, STATED, Chapter, Readings, trace
+from hyperfab.loop.upstream import ELSE, STATED, Chapter, Readings, run_anew, trace
 
 PLACES = np.linspace(0.0, 1.0, 24)
 #: What a constant of each chapter does to a straight row of readings, by its standard deviation.
@@ -149,3 +150,23 @@ def test_stated_probabilities_are_as_often_right() -> None:
     sure = np.array(stated) >= 0.9
     assert np.mean(np.array(right)[sure]) >= 0.9
     assert false <= 2
+
+
+def test_a_dent_that_a_chapter_takes_in_part_is_something_else() -> None:
+    """A chapter put right that leaves a field well above the noise was named all the same, and told to explain all."""
+    places = np.linspace(0.0, 1.0, 80)
+    noise = np.random.default_rng(5).standard_normal(80)
+    waves = Chapter("mounting", np.eye(1), lambda change: change[0] * 3.0 * np.cos(90.0 * places))
+    verdicts = []
+    for dent in (0.0, 6.0):
+        values = 3.0 * waves.predict(np.ones(1)) + dent * np.exp(-(((places - 0.7) / 0.06) ** 2)) + noise
+        measured = Readings(values, np.ones(80), places[:, None], np.zeros(80), 60.0)
+        found = trace(measured, np.zeros(80), [waves])
+        best = found.blamed["mounting"].change
+        verdicts.append(run_anew(found, "mounting", waves.predict(best), True)[0].suspects)
+    assert verdicts == [("mounting",), (ELSE,)]
+    # Noise that is twice what was told is no field.
+    values = 3.0 * waves.predict(np.ones(1)) + 2.0 * noise
+    found = trace(replace(measured, measured=values), np.zeros(80), [waves])
+    best = found.blamed["mounting"].change
+    assert run_anew(found, "mounting", waves.predict(best), True)[0].suspects == ("mounting",)

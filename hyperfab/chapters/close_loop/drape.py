@@ -17,7 +17,7 @@ from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Tra
 from hyperfab.chapters.close_loop.readings import Files, once, spread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material, widths
-from hyperfab.chapters.close_loop.upstream import WRITTEN
+from hyperfab.chapters.close_loop.upstream_written import WRITTEN
 from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
 from hyperfab.chapters.job import Job

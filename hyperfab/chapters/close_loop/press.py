@@ -17,7 +17,7 @@ from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
 from hyperfab.chapters.close_loop.readings import once, pushed, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.upstream import WRITTEN
+from hyperfab.chapters.close_loop.upstream_written import WRITTEN
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import SIBLINGS, note_ranges, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting

@@ -3,37 +3,23 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 
 from hyperfab.arrays import Array, Flags
-from hyperfab.cases.case import Case
 from hyperfab.chapters.close_loop.describe import errors_of
-from hyperfab.chapters.close_loop.domain import Given, signed
-from hyperfab.chapters.close_loop.extended_mold import relocate
+from hyperfab.chapters.close_loop.domain import Given
+from hyperfab.chapters.close_loop.upstream_written import Corrected, write
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.chapters.uncertainty.sources import Number
-from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
-from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import NotConverged
-from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.output import Output
-from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.loop.upstream import ELSE, STATED, Chapter, Readings, Trace, run_anew, trace
 
-#: Endings of what is written.
-WRITTEN = tuple(
-    f".upstream{end}"
-    for end in (
-        ".json", ".toml", ".stl", ".vtu", ".[0-9]*.vtu", ".pvd", ".csv", ".png", ".formed.png", ".mold.stl",
-        ".design.stl", ".compensated.stl",
-    )
-)  # fmt: skip
 #: How often the chain is run anew with a chapter put right, each time nearer to its best.
 _RUNS = 3
 #: What shows a chapter by itself.
@@ -63,19 +49,6 @@ class Link(Chapter):
 
     document: str
     numbers: tuple[Number, ...]
-
-
-@dataclass(frozen=True)
-class Corrected:
-    """A chain put right: the ``case`` of the model and ``files`` that are not as they lie there, by name; the bytes of
-    the ``document`` that was at fault (None: it is ``made`` by a case of its own, or is the model itself), and the
-    ``command`` that takes it, None where no input says what was put right."""
-
-    case: Case
-    files: Mapping[str, bytes]
-    document: bytes | None
-    command: Case | None
-    made: Case | None = None
 
 
 class Chain(Protocol):
@@ -204,7 +177,8 @@ def add(
         told.document = traced.link.document or None
         told.error = errors(traced.shown)
         if out.wants_files:
-            told.written, told.command = _write(job, given, out, traced.link, traced.corrected)
+            told.written, commands = write(job, given, out, traced.link.document, traced.corrected)
+            told.command, told.then = (commands[0], commands[1:]) if commands else (None, [])
     told.instead_of = instead_of(result, found.suspects)
     # What is not told from a document that is off is not sure to lack.
     if told.instead_of and result.verdict == "effect":
@@ -257,53 +231,12 @@ def _bare(name: str) -> str:
     return f"{os.path.basename(file)}{mark}{key}"
 
 
-def _write(
-    job: Job, given: Given, out: Output, link: Link, corrected: Corrected
-) -> tuple[str, str] | tuple[None, None]:
-    """Queue the corrected document; return its name and the command that takes it, if any."""
-    if corrected.command is None:
-        return None, None
-    command = corrected.command
-    if corrected.document is None:
-        target = str(out.path(".upstream.json"))
-        made = rerun(corrected.made or corrected.case, target, corrected.files)
-        out.add(".upstream.json", dump_json(made.document))
-        for suffix, data in made.siblings.items():
-            out.add(f".upstream{suffix}", data)
-        name = target
-    else:
-        ending = os.path.splitext(link.document)[1].lower()
-        suffix = f".upstream{ending if ending in ('.toml', '.stl') else '.json'}"
-        name = str(out.path(suffix))
-        if suffix.endswith(".stl"):
-            data = corrected.document
-        elif suffix.endswith(".toml"):
-            data = _relocated(corrected.document, link.document, name)
-        else:
-            document = parse_document(load_json(corrected.document, name), name, MaterialDocument)
-            data = signed(job, given, document, name)
-        out.add(suffix, data)
-    asked = {one.name: getattr(command, one.name) for one in command.settings().values()}
-    changed: dict[str, Any] = {key: name for key, value in asked.items() if value == link.document}
-    # A mold is one of several, as its option may be repeated.
-    changed |= {key: (name,) for key, value in asked.items() if value == (link.document,)}
-    command = replace(command, **changed)
-    return os.path.basename(name), command_line(command, name, [name])
-
-
-def _relocated(data: bytes, old: str, new: str) -> bytes:
-    """Return a document whose tables and documents are counted from where it is written now."""
-    plain = dict(load_toml(data, old))
-    relocate(plain, (os.path.dirname(old), os.path.dirname(new)))
-    return dump_toml(plain)
-
-
 def _say(told: Upstream) -> list[str]:
     """Return the finding in sentences."""
     likely = max(told.chapters, key=lambda one: one.probability)
     if told.verdict == STATED:
         return ["Upstream: nothing says that one of the documents behind the model is off."]
-    if told.verdict == ELSE or told.error is None:
+    if told.verdict == ELSE:
         return [
             "Upstream: no one document behind the model explains the misfit with constants near what it states; the "
             f"nearest is {likely.chapter} ({_percent(likely.probability)})."
@@ -316,13 +249,15 @@ def _say(told: Upstream) -> list[str]:
         ways = "; ".join(f"{name}: {checks[name]}" for name in told.indistinguishable if name in checks)
         lines = [f"Upstream: {' or '.join(told.indistinguishable)}; these data cannot tell. Measure next: {ways}."]
         begins = f"if {likely.chapter} is off"
+    if error is None:
+        return lines
     text = (
         f"Upstream: {begins}, {how}; the chain, run anew, then misses by {error.after.rms:.3g} {error.unit} instead of "
         f"{error.before.rms:.3g} {error.unit}."
     )
     if told.written:
         what = os.path.basename(told.document) if told.document else "the model"
-        text += f" {told.written} is {what} put right: {told.command}"
+        text += f" {told.written} is {what} put right: {'; then '.join([told.command or '', *told.then])}"
     return [*lines, text]
 
 

@@ -14,7 +14,8 @@ from hyperfab.chapters.close_loop.drape import Forward
 from hyperfab.chapters.close_loop.extended_sheet import drape_applied, sized
 from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, TOGETHER
-from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
+from hyperfab.chapters.close_loop.upstream import Link, add
+from hyperfab.chapters.close_loop.upstream_written import Corrected
 from hyperfab.chapters.uncertainty.changed import Changed
 from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument

@@ -23,8 +23,9 @@ from hyperfab.chapters.close_loop.extended_sheet import drape_applied
 from hyperfab.chapters.close_loop.handing import More, handing, hands_on, slope, warmer
 from hyperfab.chapters.close_loop.press import closed_press
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
-from hyperfab.chapters.close_loop.upstream import Corrected, Link, add
+from hyperfab.chapters.close_loop.upstream import Link, add
 from hyperfab.chapters.close_loop.upstream_readings import is_traced, on_press, over_stroke, placed, seen
+from hyperfab.chapters.close_loop.upstream_written import Corrected, names_layer
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
@@ -299,8 +300,16 @@ class PressChain:
             upstream[one.source] = source
             written |= {one.source: source} | _made_again(one, {one.source: source}, "none")
         document = upstream.get(link.document) or written.get(link.document)
-        command = next((one.case for one in self.behind if one.chapter == link.name), case)
-        return Corrected(case, written, document, command)
+        between = {one.file: one.case for one in self.behind if one.chapter == link.name}
+        # A tilt of the command's words stands in the sandwich that is put right, and there alone.
+        command = case if link.document == self.case.foam else replace(case, tilt=self.asked.tilt)
+        return Corrected(case, written, document, command, between=between, sandwich=self._taking(link.document))
+
+    def _taking(self, document: str) -> str | None:
+        """Return the sandwich's document where it takes a layer from that document."""
+        layers = self.quiet.inputs.plain(self.case.foam).get("fabric", {}) if self.foam else {}
+        named = any(names_layer(layers.get(key), self.case.foam, document) for key in ("above", "below"))
+        return self.case.foam if named else None
 
     def _put_right(self, one: _Behind, numbers: Sequence[Number], change: Array, written: Mapping[str, bytes]) -> bytes:
         """Return the document behind a field, as ``written`` so far, with the numbers changed that it hands on."""
