@@ -169,7 +169,7 @@ def _beside(readings: Readings, stated: Array, shown: Array) -> Array:
     """Return how much likelier (f,), logarithms, the readings are with a field beside a chapter that shows (n,) than
     with noise of any size, of each size and length: not at all where that leaves no more than a right name may."""
     before, left = ((readings.measured - one) / readings.sd for one in (stated, shown))
-    beyond, beside = (float(np.sqrt(max(np.mean(one**2) - 1.0, 0.0))) for one in (before, left))
+    beyond, beside = (float(np.sqrt(max(float(np.mean(one**2)) - 1.0, 0.0))) for one in (before, left))
     noisier, fields = _something(left, readings)
     if beside <= allowed(beyond):
         return np.full(len(fields), -np.inf)

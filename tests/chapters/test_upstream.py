@@ -28,13 +28,18 @@ from loop.blind_chain import (
 from loop.generators import drape as nets
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.unsure import unsure_fabric, unsure_mold
+from hyperfab.cases.options import read as read_case
+from hyperfab.cases.press import PressCase
+from hyperfab.chapters.close_loop.unsure import mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Link, follow, instead_of, moved
+from hyperfab.chapters.rerun import Overlay
+from hyperfab.chapters.uncertainty.sources import Entry
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.loop import AddedEffect, LoopDocument, MovedConstant
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.stl_write import stl_bytes
+from hyperfab.io.toml_io import dump_toml
 from hyperfab.io.vtu_read import read_vtu
 from hyperfab.loop.upstream import ELSE, Readings
 from hyperfab.samples import cup
@@ -42,6 +47,10 @@ from hyperfab.samples import cup
 NOISE = 0.02
 PLAIN = ("--male", "male.stl", "--female", "female.stl", "--foam", "foam.toml", "--temperature", "180degC",
          "--gap", f"{GAP}mm", "--strokes", "2")  # fmt: skip
+
+
+LINEAR = 'compression = { law = "linear", modulus = "0.05 MPa" }\n'
+HYPERFOAM = 'compression = { law = "hyperfoam", mu = ["0.018 MPa"], alpha = [17.4], nu = [0] }\n'
 
 
 @pytest.fixture(scope="module")
@@ -218,6 +227,23 @@ def test_documents_made_unsure_are_sound_and_keep_what_they_state() -> None:
     unsure = unsure_mold(mold, 0.05)
     assert unsure["heater"][0]["power"] == "3 kW +- 5 %"
     assert unsure["run"]["start"] == "20 degC +- 1 K"
+
+
+@pytest.mark.parametrize(("given", "expected"), [("", 0.3), ("poisson = 0.2\n", 0.2), (HYPERFOAM, None)])
+def test_how_much_stretched_foam_thins_may_be_off(tmp_path: Path, given: str, expected: float | None) -> None:
+    """Under a drape, where no law tells it; it was looked for in no chapter."""
+    law = given if given == HYPERFOAM else given + LINEAR
+    (tmp_path / "foam.toml").write_text(f'format = "hyperfab.foam/1"\nthickness = "3 mm"\n{law}')
+    for drape in (("--drape", "drape.json"), ()):
+        case = read_case(PressCase, (*PLAIN, *drape))
+        found = Overlay({"it.toml": dump_toml(mounted(tomllib.loads((tmp_path / "foam.toml").read_text()), case))})
+        numbers = [
+            (chapter, number.value, one.source.covariance.item())
+            for chapter, one in of_sandwich(found, "it.toml", 0.1, bool(drape))
+            for number in one.numbers
+            if number.name == "it.toml: poisson.foam" and isinstance(number, Entry)
+        ]
+        assert numbers == ([("foam", expected, pytest.approx(0.01))] if drape and expected else [])
 
 
 def traced_film(hf: Run, folder: Path, name: str, true: str) -> dict[str, Any]:

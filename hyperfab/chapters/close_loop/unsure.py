@@ -12,6 +12,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.softening import widths
 from hyperfab.chapters.fabric import ORTHOTROPIC
+from hyperfab.chapters.press_contact.laws import USUAL_POISSON
 from hyperfab.chapters.uncertainty.changed import Place, inside
 from hyperfab.chapters.uncertainty.sources import Entry, Origin, of_document, read_as, together
 from hyperfab.documents.foam import FoamDocument, in_full
@@ -36,6 +37,8 @@ _KELVINS = {
 _ROOM = 3.0
 #: What a press is mounted off by [deg, mm].
 _TILT, _OFFSET = 0.1, 0.2
+#: What the Poisson's ratio of a foam is off by.
+_POISSON = 0.1
 #: What a sheet is mounted off by in stretch.
 STRETCH_SD = 0.01
 #: Constants of a law of the foam that are stresses.
@@ -105,8 +108,13 @@ def _laws(plain: Any) -> Iterator[Any]:
 def mounted(plain: Any, case: PressCase) -> Any:
     """Return a sandwich's plain document with a place for all that may be off, the tilt of the case in it."""
     found = in_full(copy.deepcopy(plain))
-    for _, law in _compressions(found):
+    laws = _compressions(found)
+    for _, law in laws:
         law.setdefault("factor", 1.0)
+    ratios = found.get("poisson", {})
+    found["poisson"] = ratios = dict(ratios) if isinstance(ratios, dict) else {"foam": ratios}
+    if case.drape is not None and not any(law.get("law") == "hyperfoam" or "material" in law for _, law in laws):
+        ratios.setdefault("foam", USUAL_POISSON)
     section = found.setdefault("press", {})
     across = [axis for axis in "xyz" if axis != case.axis]
     if not case.floating:
@@ -119,9 +127,9 @@ def mounted(plain: Any, case: PressCase) -> Any:
     return found
 
 
-def of_sandwich(inputs: Inputs, name: str, share: float) -> Iterator[tuple[str, Origin]]:
+def of_sandwich(inputs: Inputs, name: str, share: float, stretched: bool) -> Iterator[tuple[str, Origin]]:
     """Yield what foam.toml may be off by, as ``mounted`` has it, each with its chapter: what it states, and of what it
-    states no tolerance what is taken for it."""
+    states no tolerance what is taken for it; where a drape has ``stretched`` the foam how much that thins it, too."""
     document, plain = read_as(inputs, name, FoamDocument)
     taken = set()
     for one in of_document(document, plain, name):
@@ -143,6 +151,10 @@ def of_sandwich(inputs: Inputs, name: str, share: float) -> Iterator[tuple[str, 
         if left:
             yield "foam", together(left, share * np.array([one.value for one in left]))
     yield "foam", together([Entry(name, (*place, "factor"), 1.0) for place, _ in _compressions(plain)], share)
+    ratio = plain["poisson"].get("foam")
+    if stretched and isinstance(ratio, int | float):
+        walls = (min(float(ratio), 0.0), 0.5)
+        yield "foam", together([Entry(name, ("poisson", "foam"), float(ratio), walls=walls)], _POISSON)
     for key, kind, unit, sd in (("tilt", "angle", "deg", _TILT), ("offset", "length", "mm", _OFFSET)):
         for axis in plain["press"].get(key, {}):
             number = entry(("press", key, axis), kind, unit)

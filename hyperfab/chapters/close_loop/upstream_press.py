@@ -191,7 +191,7 @@ class PressChain:
         """Add what the press itself and its sandwich may be off by."""
         name, case = self.case.foam, self.case
         if self.foam:
-            for chapter, one in of_sandwich(self.quiet.inputs, name, self.share):
+            for chapter, one in of_sandwich(self.quiet.inputs, name, self.share, case.drape is not None):
                 self._add(chapter, one)
             self._layers(name)
         else:
