@@ -9,7 +9,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
-from hyperfab.materials.effects.threads import Threads, nearest_ground
+from hyperfab.materials.effects.threads import Threads, _knots, _piece, nearest_ground
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.specimen import strip
 from hyperfab.materials.registry import law
@@ -74,6 +74,24 @@ def test_between_the_knots_a_strip_answers_as_the_free_strip_does(angle: float) 
     assert stress == pytest.approx(exact.stress, abs=1e-4 * exact.stress.max())
     assert energy == pytest.approx(exact.answer.energy, abs=1e-4 * exact.answer.energy.max())
     assert width == pytest.approx(exact.width, abs=2e-4)
+
+
+def test_strips_cut_at_several_angles_answer_as_each_does_alone() -> None:
+    angles, reach = [0.0, 30.0, 90.0], 0.3
+    together = posed(cut(angles, reach=reach)).fabric.path
+    each = [posed(cut([angle], reach=reach)).fabric.path for angle in angles]
+    found = np.stack(Threads(together).answer(CONSTANTS, together.stretch, together.across))
+    alone = [np.stack(Threads(path).answer(CONSTANTS, path.stretch, path.across)) for path in each]
+    assert np.array_equal(found, np.concatenate(alone, axis=1))
+
+
+def test_a_stretch_that_is_a_knot_ends_its_piece() -> None:
+    x = np.array([0.98, 0.99, 1.0, 1.2, 1.0, 1.1, 0.97])
+    cut_at = np.array([0, 0, 0, 0, 1, 1, 1])
+    knots = _knots(x, cut_at)
+    inside = [np.searchsorted(knots[k], value) - 1 for k, value in zip(cut_at, x, strict=True)]
+    assert _piece(knots[cut_at], x).tolist() == np.maximum(inside, 0).tolist()
+    assert np.array_equal(knots[:, [0, 2, -1]], [[0.98, 1.0, 1.2], [0.97, 1.0, 1.1]])
 
 
 def test_where_it_begins_does_not_change_an_equilibrium() -> None:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.materials.effects.smooth import CLOSER, cardinal, straight
 from hyperfab.materials.law import InvariantTerm, Law, PowerTerm, Sheet, Term, Value, log_I2, of_I1, of_I2
 from hyperfab.materials.material import Material
@@ -106,12 +107,21 @@ def _exponential(sheet: Sheet, b: float) -> list[Term]:
 
 def _smooth(sheet: Sheet, reach: float) -> list[Term]:
     """Return energies of I1 whose slopes are smooth functions, each 1 at one fifth of ``reach``, and the rest."""
-    slopes = cardinal(5)
-    stored = slopes.antiderivative()
     x = sheet.x / reach
-    energy, slope, bend = (np.moveaxis(straight(stored, x, order), -1, 0) for order in range(3))
-    terms: list[Term] = [of_I1(reach * w, w1, w11 / reach) for w, w1, w11 in zip(energy, slope, bend, strict=True)]
+    slope, bend = (np.moveaxis(straight(_stored(), x, order), -1, 0) for order in (1, 2))
+
+    @cache
+    def energy() -> Array:
+        return reach * straight(_stored(), x)
+
+    terms: list[Term] = [of_I1(lambda k=k: energy()[..., k], slope[k], bend[k] / reach) for k in range(len(slope))]
     return [*terms, *_of_other_modes(sheet)]
+
+
+@lru_cache(maxsize=1)
+def _stored() -> PPoly:
+    """Return the integrals of the slopes of ``_smooth``."""
+    return cardinal(5).antiderivative()
 
 
 def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 CLOSER = 20.0
 
 
+@lru_cache(maxsize=16)
 def cardinal(count: int) -> CubicSpline:
     """Return the natural cubic splines (count) that are 1 at one of 1/count, 2/count, ... 1 and 0 at the others and 0.
 
@@ -39,14 +40,17 @@ def through(x: Array, values: Array) -> Array:
     """
     count = len(values)
     pieces = _cardinal_pieces(count) @ np.asarray(values)
-    inside = np.clip(x, 0.0, 1.0)
-    piece = np.minimum((np.nan_to_num(inside) * count).astype(np.int64), count - 1)
+    inside = np.fmin(np.fmax(x, 0.0), 1.0)
+    piece = np.minimum((inside * count).astype(np.int64), count - 1)
     step = inside - piece / count
-    third, second, slope, start = (part[piece] for part in pieces)
-    last = 1.0 / count
-    at_end = (3.0 * pieces[0, -1] * last + 2.0 * pieces[1, -1]) * last + pieces[2, -1]
-    beyond = (x - inside) * np.where(x > 1.0, at_end, pieces[2, 0])
-    return np.asarray(((third * step + second) * step + slope) * step + start + beyond)
+    third, second, slope, start = pieces.take(piece, axis=1)
+    found = ((third * step + second) * step + slope) * step + start
+    beyond = x - inside
+    if np.any(beyond):
+        last = 1.0 / count
+        at_end = (3.0 * pieces[0, -1] * last + 2.0 * pieces[1, -1]) * last + pieces[2, -1]
+        found += beyond * np.where(x > 1.0, at_end, pieces[2, 0])
+    return np.asarray(found)
 
 
 @lru_cache(maxsize=16)
@@ -62,6 +66,8 @@ def straight(spline: PPoly, x: Array, order: int = 0) -> Array:
     array([1., 2.])
     """
     inside = np.clip(x, 0.0, 1.0)
+    if np.array_equal(x, inside):
+        return np.asarray(spline(inside, order))
     beyond = (x - inside).reshape(x.shape + (1,) * (spline.c.ndim - 2))
     if order > 0:
         return np.asarray(spline(inside, order) + beyond * spline(inside, order + 1))

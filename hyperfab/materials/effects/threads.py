@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 from scipy.optimize import nnls
 
+from hyperfab.arrays import Ints
 from hyperfab.materials.effects.path import UNIAXIAL, Path, second_stretch
 from hyperfab.materials.law import Array, Law, Sheet
 from hyperfab.materials.orthotropic import Orthotropic
@@ -25,8 +26,8 @@ from hyperfab.materials.registry import law as law_called
 GROUND = frozenset({"C10_MPa", "C20_MPa", "C30_MPa", "C2_MPa"})
 #: The law that has them all, and at how many stretches of a test another law is brought to it.
 _FULL_GROUND, _MET = "yeoh-3-lni2", 32
-#: Stretches at which a strip's equilibrium is sought; between them its stress goes with its slope.
-_KNOTS = 32
+#: Stretches at which a strip's equilibrium is sought, from 1 on and below; between them its stress goes with its slope.
+_KNOTS, _BELOW = 32, 2
 #: An equilibrium at stretches as near as this is one to begin from.
 _NEAR = 0.02
 #: A ground without stiffness would leave threads to turn as they like: it has this share of theirs.
@@ -47,31 +48,37 @@ class Threads:
         ``side`` is the stretch along the second axis of general biaxial tests.
         Rows without a direction are pulled along the warp. No number where a strip has no equilibrium.
         """
-        law = _law(constants)
-        path = self.path
-        angle = np.where(np.isfinite(path.angle_deg), path.angle_deg, 0.0)
+        law, path = _law(constants), self.path
+        angle, cuts = self._cuts
         stress, energy = np.full_like(stretch, np.nan), np.full_like(stretch, np.nan)
         across = second_stretch(path.mode, stretch, side, side)
         square = path.mode != UNIAXIAL
         if np.any(square):
             one, other, energy[square] = held(law, angle[square], stretch[square], across[square])
             stress[square] = np.where(path.of_both_axes[square], 0.5 * (one + other), one)
-        cuts = np.unique(angle[~square])
         if len(cuts) == 0:
             return stress, energy, across
-        parts = [np.flatnonzero(~square & (angle == cut)) for cut in cuts]
-        knots = np.stack([_knots(stretch[rows]) for rows in parts])
-        pulled = self._pulled(law, np.repeat(cuts, knots.shape[1]), knots.ravel())
+        rows, cut = np.concatenate(cuts), np.repeat(np.arange(len(cuts)), list(map(len, cuts)))
+        x = stretch[rows]
+        knots = _knots(x, cut)
+        pulled = self._pulled(law, np.repeat([angle[of[0]] for of in cuts], knots.shape[1]), knots.ravel())
         if pulled is None:
             return stress, energy, across
-        pull, slope, stored, width = (
-            value.reshape(knots.shape) for value in (pulled.stress, pulled.slope, pulled.answer.energy, pulled.width)
-        )
-        for k, rows in enumerate(parts):
-            stress[rows] = _between(knots[k], pull[k], slope[k], stretch[rows])
-            energy[rows] = _between(knots[k], stored[k], pull[k], stretch[rows])
-            across[rows] = np.exp(np.interp(np.log(stretch[rows]), np.log(knots[k]), np.log(width[k])))
+        piece = cut * knots.shape[1] + _piece(knots[cut], x)
+        at, pull = pulled.stretch, pulled.stress
+        stress[rows] = _between(at, pull, pulled.slope, piece, x)
+        energy[rows] = _between(at, pulled.answer.energy, pull, piece, x)
+        far, width = np.log(at), np.log(pulled.width)
+        slope = (width[piece + 1] - width[piece]) / (far[piece + 1] - far[piece])
+        across[rows] = np.exp(slope * (np.log(x) - far[piece]) + width[piece])
         return stress, energy, across
+
+    @cached_property
+    def _cuts(self) -> tuple[Array, list[Ints]]:
+        """The angle of every row from the warp, and the rows of the strips cut at each."""
+        angle = np.where(np.isfinite(self.path.angle_deg), self.path.angle_deg, 0.0)
+        strips = self.path.mode == UNIAXIAL
+        return angle, [np.flatnonzero(strips & (angle == cut)) for cut in np.unique(angle[strips])]
 
     def _pulled(self, law: Orthotropic, angle_deg: Array, knots: Array) -> Strip | None:
         last = self._last
@@ -120,9 +127,8 @@ def _law(constants: Mapping[str, float]) -> Orthotropic:
     return Orthotropic(given)
 
 
-def _between(at: Array, value: Array, slope: Array, x: Array) -> Array:
-    """Return values at ``x`` by cubics through values and slopes (Hermite)."""
-    i = np.clip(np.searchsorted(at, x) - 1, 0, len(at) - 2)
+def _between(at: Array, value: Array, slope: Array, i: Ints, x: Array) -> Array:
+    """Return values at ``x``, each in the piece that begins at knot ``i``, by cubics through values and slopes."""
     step = at[i + 1] - at[i]
     t = (x - at[i]) / step
     rise = t * t * (3.0 - 2.0 * t)
@@ -130,8 +136,19 @@ def _between(at: Array, value: Array, slope: Array, x: Array) -> Array:
     return np.asarray(value[i] + rise * (value[i + 1] - value[i]) + bend * ((1.0 - t) * slope[i] - t * slope[i + 1]))
 
 
-def _knots(stretch: Array) -> Array:
-    low, high = min(float(stretch.min()), 1.0), max(float(stretch.max()), 1.0 + 1e-6)
+def _knots(x: Array, cut: Ints) -> Array:
+    """Return the knots (k, m) of each cut, of all ``x`` (n,), at even parts from the least to 1 and on to the most."""
+    starts = np.flatnonzero(np.diff(cut, prepend=-1))
     # Threads begin to bear at a stretch of 1: no piece of the curve goes over it.
-    low = min(low, 1.0 - 1e-3)
-    return np.concatenate([np.linspace(low, 1.0, 3)[:-1], np.linspace(1.0, high, _KNOTS)])
+    low = np.minimum(np.minimum.reduceat(x, starts), 1.0 - 1e-3)
+    high = np.maximum(np.maximum.reduceat(x, starts), 1.0 + 1e-6)
+    below, above = np.linspace(low, 1.0, _BELOW + 1, axis=1), np.linspace(1.0, high, _KNOTS, axis=1)
+    return np.concatenate([below[:, :-1], above], axis=1)
+
+
+def _piece(knots: Array, x: Array) -> Ints:
+    """Return the piece of its ``knots`` (n, m) that each of ``x`` (n,) lies in, or ends."""
+    below = _BELOW * (x - knots[:, 0]) / (1.0 - knots[:, 0])
+    above = (_KNOTS - 1) * (x - 1.0) / (knots[:, -1] - 1.0)
+    part = np.ceil(np.where(x > 1.0, _BELOW + above, below)) - 1.0
+    return np.clip(part.astype(np.int64), 0, _BELOW + _KNOTS - 2)
