@@ -98,11 +98,12 @@ def descent(
 ) -> Descent:
     """Return the descent from that of several starts that leads on, each made once for a problem.
 
-    The same fits are asked for again where all that changes is what readings of one specimen have in common.
+    The same fits are asked for again where all that changes is what readings of one specimen have in common: that has
+    no say in them where no two were led alike.
     """
     names = tuple((effect, form.name) for effect, form in forms.items())
     begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
-    key = (names, begins, hash(noise.sd.tobytes()), noise.gain_sd, noise.across_sd, iterations, coarse)
+    key = (names, begins, hash(noise.sd.tobytes()), noise.about, iterations, coarse)
     if key not in problem.descents:
         # A few steps from each start tell which of them leads on.
         tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
@@ -289,11 +290,13 @@ class Descent:
         """Ask for the slopes where the descent is, by one-sided differences inside the bounds."""
         step = 1e-5 * np.maximum(np.abs(self.x), self.scale)
         step = np.where(self.x + step > self.high, -step, step)
-        moved = self.x + np.diag(step)
-        found = self.problem.predict_many(moved[:, : self.own], self.forms, moved[:, self.own :])
-        slopes = (found - self.value) / step[:, None]
         # What is held has no say: no other constant has to make up for it.
-        slopes[self.low == self.high] = 0.0
+        free = self.low < self.high
+        moved = (self.x + np.diag(step))[free]
+        slopes = np.zeros((len(step), len(self.value)))
+        if len(moved):
+            found = self.problem.predict_many(moved[:, : self.own], self.forms, moved[:, self.own :])
+            slopes[free] = (found - self.value) / step[free, None]
         self.jacobian = self.metric.whiten(np.where(np.isfinite(slopes), slopes, 0.0).T)
         self.serves = self.exact = True
 
@@ -361,9 +364,19 @@ def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> t
 
 
 def fitted_misfit(problem: Problem, metric: Noise, found: Fit) -> Array:
-    """Return the least chi-squared of a model in a metric, by kind of reading (kinds,), by a fit that begins at one."""
-    near = Descent(problem, metric, found.forms, found.x, coarse=True, metric=metric).advance(_REFIT)
-    return np.array([float(np.sum(near.left[problem.channel == kind] ** 2)) for kind in np.unique(problem.channel)])
+    """Return the least chi-squared of a model in a metric, by kind of reading (kinds,), by a fit that begins at one.
+
+    Each is made once for a problem.
+    """
+    names = tuple((effect, form.name) for effect, form in found.forms.items())
+    rows = tuple(hash(np.asarray(one).tobytes()) for one in (metric.sd, metric.pattern, metric.correlation))
+    key = (names, found.x.tobytes(), metric.gain_sd, metric.across_sd, rows)
+    if key not in problem.misfits:
+        near = Descent(problem, metric, found.forms, found.x, coarse=True, metric=metric).advance(_REFIT)
+        kinds = [problem.channel == kind for kind in np.unique(problem.channel)]
+        problem.misfits[key] = np.array([float(np.sum(near.left[kind] ** 2)) for kind in kinds])
+    known: Array = problem.misfits[key]
+    return known
 
 
 def _column(constants: Sequence[Constant], name: str) -> Array:

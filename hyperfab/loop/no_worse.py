@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -85,10 +86,11 @@ def nearest_apart(search: Search, best: Candidate, apart: Apart | None) -> Candi
 
 def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
     """Whether a model misses no more than another, plainly and everywhere."""
-    pairs = [(base.fit.predicted, state.fit.predicted), (base.forecast.predicted, state.forecast.predicted)]
     first, measured = state.problem.channel == 0, state.problem.measured
     alike = 1.0 if first.all() else _ALIKE
-    for old, new in pairs:
+    # What is forecast takes fits, and is asked for where the rest is no worse.
+    for says in (attrgetter("fit.predicted"), attrgetter("forecast.predicted")):
+        old, new = says(base), says(state)
         told = first & np.isfinite(old) & np.isfinite(new)
         if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
             return False

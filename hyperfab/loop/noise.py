@@ -74,6 +74,13 @@ class Noise:
         """The noise of which what specimens led alike have in common is no part: they scatter about their mean."""
         return replace(self, correlation=0.0, centred=True)
 
+    @property
+    def about(self) -> tuple[float, ...]:
+        """What tells ``about_means`` of one noise from that of another of as loud readings: by how much specimens
+        scatter, 0 where no two were led alike."""
+        kinds = ((self.gain_sd, self.alike), (self.across_sd, self.alike_across))
+        return tuple(sd if _several(alike) else 0.0 for sd, alike in kinds)
+
     def among(self, predicted: Array, gain_sd: float) -> Noise:
         """Return the noise of specimens that scatter so much in proportion to a prediction.
 
@@ -156,7 +163,7 @@ class Noise:
         """Of those led alike the shapes, and eigenvalues and eigenvectors of how they scatter about their mean."""
         found = []
         for shapes, alike in self._scatters:
-            for which in alike:
+            for which in _several(alike):
                 own = [shapes[k] for k in which]
                 wide = np.array([np.sqrt((1.0 - shrink) ** -2 - 1.0) for _, _, shrink in own])
                 about = np.eye(len(own)) - 1.0 / len(own)
@@ -204,6 +211,11 @@ class Noise:
             shrink = 1.0 - 1.0 / np.sqrt(1.0 + (sd * length) ** 2)
             found.append((rows, pattern[rows] / length, shrink))
         return found
+
+
+def _several(alike: Sequence[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """Return those led alike that are several: one alone is its own mean."""
+    return [which for which in alike if len(which) > 1]
 
 
 def with_misfit(noise: Noise, left: Array, residual: Array, curves: Sequence[Curve]) -> Noise:

@@ -217,8 +217,9 @@ class Problem(ABC):
     units: tuple[str, ...] = ("",)
     #: States that no law knows, on which the stiffness of specimens rides: they scatter by less than they differ.
     ridden: tuple[str, ...] = ()
-    #: Fits that were made, see ``fitting.descent``.
+    #: Fits that were made, see ``fitting.descent`` and ``fitting.fitted_misfit``.
     descents: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
+    misfits: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
     #: Entries of which the forms that refine them are tried too, for the first term.
     rich: ClassVar[int] = 3
     #: Whether the own constants are known so well that fits start there too, and models that leave it pay for that.

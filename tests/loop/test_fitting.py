@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from hyperfab.arrays import Array
-from hyperfab.loop.fitting import fit
+from hyperfab.loop.fitting import Descent, fit, fitted_misfit
 from hyperfab.loop.judge import judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Curve, Problem
@@ -143,3 +143,61 @@ def test_the_stiffness_of_a_specimen_that_was_led_alone_is_not_forgiven_in_a_fit
     again = fit(problem, wider, {}, [0.25, 0.39, 0.415, 0.39])
     assert again.x == pytest.approx(once.x, rel=1e-9)
     assert again.chi2 < once.chi2
+
+
+class Counted(Powers):
+    """A polynomial that counts its answers."""
+
+    asked = 0
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        """Return its values."""
+        self.asked += 1
+        return super().predict(own, terms)
+
+
+def counted(held: int) -> tuple[Counted, Noise]:
+    free = posed(np.exp(np.linspace(0.0, 1.0, 80)), np.inf, 4)
+    own = tuple(Constant(c.name, 1.0, 1.0, 1.0) if k < held else c for k, c in enumerate(free.own))
+    return Counted(free.measured, free.curves, own, ()), Noise(np.full(80, 0.01), np.inf, "known")
+
+
+@pytest.mark.parametrize("held", [0, 2, 4])
+def test_nothing_is_asked_of_constants_that_are_held(held: int) -> None:
+    problem, noise = counted(held)
+    descent = Descent(problem, noise, {}, np.ones(4))
+    before = problem.asked
+    descent.ask()
+    assert problem.asked - before == 4 - held
+    assert np.all(descent.jacobian[:, :held] == 0.0)
+    assert np.all(descent.jacobian[-1, held:] != 0.0)
+
+
+def scattering(noise: Noise, measured: Array, gain_sd: float, alike: tuple[tuple[int, ...], ...]) -> Noise:
+    groups = (np.arange(40), np.arange(40, 80))
+    return Noise(
+        noise.sd, np.inf, "known", gain_sd=gain_sd, groups=groups, alike=alike, pattern=measured, measured=measured
+    )
+
+
+@pytest.mark.parametrize("alike", [((0,), (1,)), ((0, 1),)])
+def test_a_fit_is_made_anew_for_another_scatter_only_where_specimens_were_led_alike(
+    alike: tuple[tuple[int, ...], ...],
+) -> None:
+    problem, noise = counted(0)
+    fit(problem, scattering(noise, problem.measured, 0.02, alike), {}, np.ones(4))
+    before = problem.asked
+    fit(problem, scattering(noise, problem.measured, 0.05, alike), {}, np.ones(4))
+    assert (problem.asked > before) is (len(alike) == 1)
+
+
+def test_what_a_model_leaves_in_a_metric_is_worked_out_once() -> None:
+    problem, noise = counted(0)
+    near = fit(problem, noise, {}, np.ones(4))
+    first = fitted_misfit(problem, noise.among(near.predicted, 0.0), near)
+    before = problem.asked
+    again = fitted_misfit(problem, noise.among(near.predicted, 0.0), near)
+    assert problem.asked == before
+    assert np.array_equal(again, first)
+    louder = Noise(2.0 * noise.sd, np.inf, "known")
+    assert not np.array_equal(fitted_misfit(problem, louder, near), again)

@@ -170,6 +170,15 @@ def test_a_model_that_misses_left_out_tests_by_more_is_none() -> None:
     assert is_no_worse(base, kept)
 
 
+def test_nothing_is_forecast_by_a_model_that_plainly_misses_more() -> None:
+    problem, _, _, _ = case(0, ("anisotropy",), poor=False)
+    search = Search(problem, estimate_noise(problem))
+    base = search.base()
+    off = fit(problem, search.noise, {}, 1.5 * base.fit.x, iterations=0)
+    assert not is_no_worse(base, worse := Candidate(problem, search.noise, off))
+    assert "forecast" not in vars(worse)
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("effect", ["anisotropy", "thermal-softening"])
 def test_left_out_tests_are_told_as_a_fit_to_the_others_predicts_them(effect: str, seed: int) -> None:
