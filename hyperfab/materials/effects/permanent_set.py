@@ -186,7 +186,8 @@ def _returned_smoothly(by_load: bool = False) -> Lengthens:
 def _seen(path: Path, stretch: Array, peak: Array, rest: Array) -> tuple[Array, Array]:
     """Return the elastic stretch over a set that is seen on the way down, the more the further down, and so much."""
     elastic = returned(stretch, peak, rest, path.least)
-    return elastic, np.where(elastic > path.least, stretch / elastic - 1.0, rest)
+    with np.errstate(divide="ignore"):  # where it is none the set is what is left
+        return elastic, np.where(elastic > path.least, stretch / elastic - 1.0, rest)
 
 
 def _flow(bends: bool = False, added: bool = False, earlier: bool = False) -> Lengthens:

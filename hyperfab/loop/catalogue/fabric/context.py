@@ -150,6 +150,13 @@ class DataContext:
         return ways > 1 and ways == heats == len(np.unique(states, axis=0))
 
     @property
+    def each_at_its_own_heat(self) -> bool:
+        """Whether there are hardly more specimens than temperatures, each at one: how stiff it is by itself would pass
+        for what heat does."""
+        told, specimens = self.path.temperature_degC, self.path.curves
+        return 1 < len(specimens) < 1.5 * len(self.temperatures) and all(np.ptp(told[rows]) < 0.5 for rows in specimens)
+
+    @property
     def temperatures(self) -> Array:
         """The temperatures in the data [degC], a half-degree apart."""
         known = self.path.temperature_degC[np.isfinite(self.path.temperature_degC)]

@@ -350,5 +350,5 @@ def thermal_softening(context: DataContext) -> Effect:
         not_sought="" if several else "the tests state one temperature at most",
         shown_by="the same pull at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
-        forms=(*forms, smooth, *tried_if(len(context.temperatures) > 3, by_heat)),
+        forms=(*forms, smooth, *tried_if(len(context.temperatures) > 3 and not context.each_at_its_own_heat, by_heat)),
     )
