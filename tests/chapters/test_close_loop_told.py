@@ -16,7 +16,7 @@ from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
-from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, told_of
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
 from hyperfab.chapters.close_loop.words import _beside_scatter, _effect, _far_from_known, _no_other
 from hyperfab.chapters.job import Job
@@ -26,6 +26,8 @@ from hyperfab.documents.loop import AddedEffect, Errors, Evidence, Misfit
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
+from hyperfab.loop.heldout import Help
+from hyperfab.loop.judge import Evidence as Weight
 from hyperfab.loop.problem import Constant, Effect
 
 MODEL = {
@@ -551,3 +553,29 @@ def test_what_was_added_is_told_beside_how_specimens_differ(gains: tuple[float, 
     if told:
         assert "without, by" in said[0]
         assert float(said[0].split(" with what was added")[0].split()[-2]) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("help_", "share", "says"),
+    [
+        (
+            Help(-0.7, 0.0, 2),
+            0.6,
+            "elastic-law lowers BIC by 11, but is not added: tests left out are foretold no better",
+        ),
+        (None, 0.02, "elastic-law lowers BIC by 11, but is not added: it takes 2% of what lacks"),
+        (Help(0.9, 1.0, 2), 0.6, None),
+    ],
+)
+def test_an_entry_with_evidence_that_is_not_added_is_told_why(
+    help_: Help | None, share: float, says: str | None
+) -> None:
+    """Of a decisive entry beside `unexplained` a reader asks why it is not in the model."""
+    tried = {
+        "elastic-law": Weight(11.2, share, help_, certain=True),
+        "grip-slack": Weight(-1.0, 0.1, None, certain=True),
+    }
+    found: Any = SimpleNamespace(tried=tried, added={}, doubted=(), worse=())
+    told = list(refused(found, "fabric"))
+    assert told == [] if says is None else told[0].startswith(says)
+    assert list(refused(SimpleNamespace(**{**vars(found), "doubted": ("elastic-law",)}), "fabric")) == []  # type: ignore[arg-type]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from hyperfab.documents.loop import Errors, Misfit
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import Problem
+from hyperfab.loop.thresholds import MARGIN, SHARE
 
 #: What says of an error that it is on files that were set apart.
 OF_FILES = "the files of --hold-out"
@@ -38,6 +39,18 @@ def size_of(misfit: Misfit, unit: str) -> str:
 def not_added(names: Sequence[str], domain: str) -> str:
     """Return that names were left out for what they do to the readings that take no part."""
     return f"not added: {', '.join(names)}; with it these data, or {parts_of(domain)} left out, are missed by more"
+
+
+def refused(found: Finding, domain: str) -> Iterator[str]:
+    """Yield why an entry that lowers BIC was not added, where nothing was and nothing else says so."""
+    for name, one in found.tried.items():
+        if found.added or one.delta_bic < MARGIN or one.accepted() or name in (*found.doubted, *found.worse):
+            continue
+        if one.help is not None and one.variance_share >= SHARE:
+            why = f"{parts_of(domain)} left out are foretold no better with it"
+        else:
+            why = f"it takes {one.variance_share:.0%} of what lacks"
+        yield f"{name} lowers BIC by {one.delta_bic:.0f}, but is not added: {why}."
 
 
 def missed_by_more(held: Errors, domain: str) -> str:

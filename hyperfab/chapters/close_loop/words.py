@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, silent, size_of, told_of
+from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, size_of, told_of
 from hyperfab.chapters.close_loop.origins import another_frame, another_zero
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
@@ -317,6 +317,7 @@ def _unexplained(problem: Problem, found: Finding, document: LoopDocument) -> li
     if document.something_else is not None and document.something_else > 0.5 and found.added:
         names = " and ".join(found.added)
         lines.append(f"That something else is lacking is likelier ({document.something_else:.0%}) than {names}.")
+    lines += refused(found, document.domain)
     lines.append(_where(problem, found))
     if document.residual.suggestion:
         left, share = document.residual, document.residual.suggestion_share or 0.0
