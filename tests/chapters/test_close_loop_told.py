@@ -18,7 +18,13 @@ from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.finalise import errors_apart
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
-from hyperfab.chapters.close_loop.words import _beside_scatter, _effect, _far_from_known, _no_other
+from hyperfab.chapters.close_loop.words import (
+    _beside_scatter,
+    _effect,
+    _far_from_known,
+    _no_other,
+    _rms_beside_stiffness,
+)
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
@@ -553,6 +559,11 @@ def test_what_was_added_is_told_beside_how_specimens_differ(gains: tuple[float, 
     if told:
         assert "without, by" in said[0]
         assert float(said[0].split(" with what was added")[0].split()[-2]) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_specimen_slack_to_the_model_throughout_is_scaled_to_nothing() -> None:
+    read, rows = np.array([0.3, 0.4]), (np.arange(2),)
+    assert _rms_beside_stiffness(read, np.zeros(2), rows) == pytest.approx(0.25 * np.sqrt(2.0))
 
 
 @pytest.mark.parametrize(

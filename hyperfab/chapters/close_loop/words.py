@@ -235,7 +235,8 @@ def _rms_beside_stiffness(measured: Array, predicted: Array, specimens: Sequence
     left = []
     for rows in specimens:
         model, own = predicted[rows], measured[rows]
-        left.append(own - model * (own @ model) / (model @ model))
+        # Of a specimen that is slack to the model throughout nothing is scaled.
+        left.append(own - model * (own @ model) / max(float(model @ model), 1e-300))
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2)))
 
 
