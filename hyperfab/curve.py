@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
@@ -73,12 +73,6 @@ class TestCurve:
         }
         return replace(self, **columns)
 
-    def of_deviations(self) -> Self | None:
-        """Return the curve with the standard deviations of its stresses in their place; None where none are stated."""
-        if self.stress_sd is None:
-            return None
-        return replace(self, stress=self.stress_sd, stress2=None if self.stress2 is None else self.stress_sd)
-
     def is_at(self, temperature: float | None) -> bool:
         """Whether it was measured at a temperature, or nothing says at which."""
         return self.temperature in (temperature, None)
@@ -136,6 +130,14 @@ class TestCurve:
     def stress_unit(self) -> str:
         """``MPa``, or ``N/mm`` for membrane stress."""
         return "N/mm" if self.membrane else "MPa"
+
+
+def of_deviations(curves: Sequence[TestCurve]) -> list[TestCurve] | None:
+    """Return the curves with the standard deviations of their stresses in their place; None unless all state them."""
+    stated = [(curve, curve.stress_sd) for curve in curves if curve.stress_sd is not None]
+    if len(stated) < len(curves):
+        return None
+    return [replace(curve, stress=sd, stress2=None if curve.stress2 is None else sd) for curve, sd in stated]
 
 
 def largest_stress(curves: Iterable[TestCurve]) -> float:

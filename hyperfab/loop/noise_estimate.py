@@ -52,14 +52,10 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
             sd[rows], known, how, louder[rows] = _from_differences(y, curves, rows)
             dof = min(dof, known)
             if not replicates(problem.curves, channel):
-                least = problem.least_noise * _peaks(y, curves)
-                how = (
-                    f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
-                    if np.any(least > sd[rows])
-                    else how
-                )
-                raised[rows] = np.maximum(least / sd[rows], 1.0)
+                raised[rows] = np.maximum(problem.least_noise * _peaks(y, curves) / sd[rows], 1.0)
                 sd[rows] *= raised[rows]
+                if np.any(raised[rows] > 1.0):
+                    how = f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
         source = source or how
     free = stated is None and problem.stated_sd is None
     across_sd = rho = 0.0

@@ -152,8 +152,8 @@ def run_anew(found: Trace, name: str, shown: Array, last: bool) -> tuple[Trace, 
     again = replace(again, chapter=chapter, runs=runs)
     settled = float(np.sqrt(np.mean(((again.predicted - shown) / readings.sd) ** 2))) < _NEAR
     if settled or last:
-        again = replace(again, change=blamed.change, predicted=shown)
-        again = replace(again, beside=_beside(readings, found.stated, shown))
+        beside = _beside(readings, found.stated, shown)
+        again = replace(again, change=blamed.change, predicted=shown, beside=beside)
     return _weighed(readings, found.stated, {**found.blamed, name: again}, found.something), settled
 
 
@@ -183,7 +183,6 @@ def _mean(logarithms: Array) -> float:
 def _weighed(readings: Readings, stated: Array, blamed: Mapping[str, Blamed], something: float) -> Trace:
     sd = _inexact(readings, stated)
     left = (readings.measured - stated) / sd
-    # By itself, or beside a chapter that was put right.
     evidence = {STATED: readings.likely(float(left @ left), 0.0), ELSE: something}
     evidence |= {name: one.evidence for name, one in blamed.items()}
     # Beforehand it is as likely as not that nothing is off; all that may be are alike.

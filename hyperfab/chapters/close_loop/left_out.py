@@ -43,8 +43,10 @@ def not_added(names: Sequence[str], domain: str) -> str:
 
 def refused(found: Finding, domain: str) -> Iterator[str]:
     """Yield why an entry that lowers BIC was not added, where nothing was and nothing else says so."""
+    if found.added:
+        return
     for name, one in found.tried.items():
-        if found.added or one.delta_bic < MARGIN or one.accepted() or name in (*found.doubted, *found.worse):
+        if one.delta_bic < MARGIN or one.accepted() or name in (*found.doubted, *found.worse):
             continue
         if one.help is not None and one.variance_share >= SHARE:
             why = f"{parts_of(domain)} left out are foretold no better with it"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -115,14 +114,14 @@ def _renamed(case: Case, names: Mapping[str, str]) -> Case:
 
 def _relocated(data: bytes, old: str, new: str) -> bytes:
     """Return a document whose tables and documents are counted from where it is written now."""
-    plain = dict(load_toml(data, old))
+    plain = load_toml(data, old)
     relocate(plain, (os.path.dirname(old), os.path.dirname(new)))
     return dump_toml(plain)
 
 
 def _taking(data: bytes, sandwich: str, document: str, names: Mapping[str, str]) -> bytes:
     """Return a sandwich whose layers are of the document as it is written now."""
-    plain = copy.deepcopy(dict(load_toml(data, sandwich)))
+    plain = load_toml(data, sandwich)
     layers = plain["fabric"]
     here = [key for key in ("above", "below") if names_layer(layers.get(key), sandwich, document)]
     folder = os.path.dirname(names[sandwich])

@@ -69,7 +69,8 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     def _certainty(self, number: int) -> Certainty:
         """Return how sure the constants at one of the temperatures are."""
-        tests = _tests(self.fitted_at(number), self.temperatures[number], self.setting.noise)
+        told = [with_deviation(curve, self.setting.noise) for curve in self.fitted_at(number)]
+        tests = _tests(told, self.temperatures[number])
         names, weighed = optimum(self.laws[number], tests, kept=number != self.reference)
         specimens = [specimen_of(one) for one in tests]
         kinds = [kind_of(one) for one in tests]
@@ -202,10 +203,9 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     readings.warnings.extend([] if flat is None else [str(flat)])
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
-    first = identify(_tests(used, temperatures[reference], setting.noise), terms)
+    first = identify(_tests(used, temperatures[reference]), terms)
     laws = [
-        first if k == reference else identify(_tests(used, t, setting.noise), terms, near=first)
-        for k, t in enumerate(temperatures)
+        first if k == reference else identify(_tests(used, t), terms, near=first) for k, t in enumerate(temperatures)
     ]
     # Poisson's ratios at the end of their range or below zero, and no lateral stretch read: the tests say little of
     # the sides.
@@ -233,13 +233,13 @@ def _by_side(curves: Sequence[TestCurve]) -> list[TestCurve]:
     return split + [c for c in curves if c.mode != "uniaxial"]
 
 
-def _tests(curves: Sequence[TestCurve], temperature: float | None, noise: float | None) -> list[TestCurve]:
-    """Return the tests at a temperature, of readings that err by the ``noise`` [MPa] where they do not say by what.
+def _tests(curves: Sequence[TestCurve], temperature: float | None) -> list[TestCurve]:
+    """Return the tests at a temperature.
 
     Errors count by their share of the test's largest stress, compression and tension each by its own: a foam's first
     stiffness says little of its plateau, and a ratio to it less. Every test counts the same however many rows it has.
     """
-    split = _by_side([with_deviation(curve, noise) for curve in curves if curve.is_at(temperature)])
+    split = _by_side([curve for curve in curves if curve.is_at(temperature)])
     found = []
     for curve in split:
         alike = [other for other in split if kind_of(other)[:2] == kind_of(curve)[:2]]

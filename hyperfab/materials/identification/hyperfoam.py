@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve, largest_stress
+from hyperfab.curve import TestCurve, largest_stress, of_deviations
 from hyperfab.materials.hyperfoam import ALPHAS, RATIOS, Hyperfoam, HyperfoamLaw, Rows
 from hyperfab.materials.identification.linear import least_in_box
 from hyperfab.materials.identification.scatter import Weighed
@@ -64,8 +64,8 @@ def optimum(law: Hyperfoam, tests: Sequence[TestCurve], kept: bool = False) -> t
     room = np.repeat([_NO_TERM, *(_END * (end[1] - end[0]) for end in (ALPHAS, RATIOS))], terms)
     free = (z > low + room) & (z < high - room) & (np.arange(3 * terms) < (terms if kept else 3 * terms))
     residual, jacobian = sought.equations(law)
-    stated = [one for one in (test.of_deviations() for test in tests) if one is not None]
-    deviation = np.concatenate(_read(stated)) if len(stated) == len(tests) else None
+    stated = of_deviations(tests)
+    deviation = None if stated is None else np.concatenate(_read(stated))
     read = _read(tests)
     curve = np.repeat(np.arange(len(tests)), [len(one) for one in read])
     stress = residual + np.concatenate(read)

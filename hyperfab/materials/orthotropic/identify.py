@@ -21,7 +21,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from hyperfab.arrays import Array
-from hyperfab.curve import TestCurve, largest_stress
+from hyperfab.curve import TestCurve, largest_stress, of_deviations
 from hyperfab.errors import InputError
 from hyperfab.materials.identification.linear import least_in_box
 from hyperfab.materials.identification.scatter import Weighed
@@ -98,8 +98,8 @@ def identify(tests: Sequence[TestCurve], near: Orthotropic | None = None) -> Fou
     rows = Gathered.of(before)
     residual, jacobian = free.equations(rows, z)
     full = free.full(jacobian, z, names)
-    stated = [one for one in (test.of_deviations() for test in tests) if one is not None]
-    deviation = Gathered.of(stated).stresses if len(stated) == len(tests) else None
+    stated = of_deviations(tests)
+    deviation = None if stated is None else Gathered.of(stated).stresses
     optimum = Weighed(full, residual, np.nan_to_num(residual + rows.stresses), rows.curve, deviation)
     return Found(law, float(residual @ residual), names, unknown, optimum)
 
