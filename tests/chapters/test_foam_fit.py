@@ -318,3 +318,16 @@ def test_blocks_and_strips_of_a_foam_tell_how_sure_its_constants_are(tmp_path, h
     assert hf("fit", "down1.csv", "up1.csv", "--model", "hyperfoam-1", "-o", "two.json", cwd=tmp_path).returncode == 0
     two = json.loads((tmp_path / "two.json").read_text())["fit"]["uncertainty"]
     assert (two["source"], two["specimens"]) == ("readings", 2)
+
+
+def test_a_gauge_length_read_short_makes_no_test_in_tension(hf, tmp_path) -> None:
+    foam = Hyperfoam((0.02,), (6.0,), (0.15,))
+    true = np.linspace(1.0, 0.5, 400)
+    stretch = 1.004 * true
+    _write(tmp_path, "down.csv", "uniaxial", stretch, foam.stress("uniaxial", true))
+    assert (stretch > 1.0).sum() > 2
+    run = hf("fit", "down.csv", "--model", "hyperfoam-1", "-o", "foam.json", cwd=tmp_path)
+    assert run.returncode == 0, run.stderr.decode()
+    tests = json.loads((tmp_path / "foam.json").read_text())["fit"]["tests"]
+    assert set(tests) == {"uniaxial"}
+    assert tests["uniaxial"]["nrmse"] < 0.01

@@ -42,6 +42,9 @@ _EDGE = 0.005
 _SCAN, _BEYOND = 200, 1.5
 #: A foam is pressed or pulled.
 _SIDES = ("compression", "tension")
+#: A side of rest that a test goes to by less than this share of its strain on the other is no test of its own: the
+#: gauge length is read to some thousandths.
+_SLIGHT = 0.05
 
 
 @dataclass(frozen=True)
@@ -222,9 +225,15 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
 
 
 def _side(curves: Sequence[TestCurve], side: str) -> list[TestCurve]:
-    """Return the rows of uniaxial tests in ``compression`` or in ``tension``."""
-    parts = [c.take(c.stretch < 1.0 if side == "compression" else c.stretch > 1.0) for c in curves]
-    return [part for part in parts if len(part.stretch)]
+    """Return the rows of uniaxial tests in ``compression`` or in ``tension``, slight ones with the other side."""
+    sign = 1.0 if side == "tension" else -1.0
+    parts = []
+    for curve in curves:
+        strain = sign * np.log(curve.stretch)
+        here, there = max(float(strain.max()), 0.0), max(-float(strain.min()), 0.0)
+        own = strain > 0.0 if there > _SLIGHT * here else strain != 0.0
+        parts += [curve.take(own)] if here > _SLIGHT * there and own.any() else []
+    return parts
 
 
 def _by_side(curves: Sequence[TestCurve]) -> list[TestCurve]:
