@@ -39,10 +39,14 @@ class Curving:
 
     def height(self, face: Ints, points: Array) -> Array:
         """How far (n,) [mm] the smooth surface stands off the facets ``face`` (n,) at ``points`` (n, 3) on them."""
+        return np.asarray((self.off(face, points) * self.surface.normals[face]).sum(axis=1))
+
+    def off(self, face: Ints, points: Array) -> Array:
+        """The way (n, 3) [mm] from ``points`` (n, 3) on the facets ``face`` (n,) to the smooth surface."""
         weights = barycentric(self.surface, face, points)
         after = np.roll(weights, -1, axis=1)
-        off = self.bulge[face] + (weights - after)[..., None] * self.skew[face]
-        return np.asarray(np.einsum("ne,nec,nc->n", weights * after, off, self.surface.normals[face]))
+        bent = self.bulge[face] + (weights - after)[..., None] * self.skew[face]
+        return np.asarray(np.einsum("ne,nec->nc", weights * after, bent))
 
     def normal(self, face: Ints, points: Array, facet: Array) -> Array:
         """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""

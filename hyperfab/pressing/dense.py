@@ -1,19 +1,22 @@
-"""Large flat facets cut into small ones: what is asked at corners alone is asked everywhere."""
+"""Large facets cut into small ones: what is asked at corners alone is asked everywhere."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import curving
+from hyperfab.pressing.curved import Curving, curving
 from hyperfab.pressing.mold import LOOKING
 from hyperfab.surface import Surface
 
-#: Edges of flat facets are no longer than this part of the mold's size: what goes as a parabola from the mold's middle
-#: to its ends is met to 1/400 of its height between the corners.
+#: Edges of facets are no longer than this part of the mold's size: what goes as a parabola from the mold's middle to
+#: its ends is met to 1/400 of its height between the corners.
 _LONGEST = 1.0 / 20.0
-#: A facet is flat whose smooth surface bulges by no more than this part of the mold's size: coordinates are single.
-_FLAT = 1e-5
+#: A facet is flat where the smooth surface is level with it by so much at a corner [rad]: beside it the surface begins
+#: to curve, and normals on that edge, which are of both sides, are none of the facet.
+_LEVEL = 1e-3
 #: The corners of the facets that a facet is cut into, by which of its edges ab, bc, ca are cut: 0, 1, 2 are its own
 #: corners, 3, 4, 5 the middles of these edges.
 _CUTS = {
@@ -29,8 +32,8 @@ _CUTS = {
 
 
 def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True) -> Surface:
-    """Return the same surface with its large flat facets that look ``towards`` (3,) the ``other`` mold cut, and their
-    neighbours where they meet them.
+    """Return the same surface with its large facets that look ``towards`` (3,) the ``other`` mold cut, and their
+    neighbours where they meet them; new corners are on the ``smooth`` surface.
 
     Beneath a smaller mold facets are cut to the measure of that: beside its edges the gap goes from one facet to the
     next by as much as they are long.
@@ -43,15 +46,11 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
     >>> len(fine.faces), float(fine.areas.sum().round(12))
     (2048, 1.0)
     """
-    vertices, faces = surface.vertices, surface.faces
-    size = _size(surface)
-    flat = np.abs(curving(surface, smooth).bulge).max(axis=(1, 2)) <= _FLAT * size
-    flat &= surface.normals @ towards > LOOKING
-    longest = _LONGEST * size
+    vertices, faces, of = surface.vertices, surface.faces, np.arange(len(surface.faces))
+    looking, longest, shorter = surface.normals @ towards > LOOKING, _LONGEST * _size(surface), _LONGEST * _size(other)
     cut = True
     while cut:
-        vertices, faces, flat, cut = _cut(vertices, faces, flat, longest)
-    shorter = _LONGEST * _size(other)
+        vertices, faces, of, cut = _cut(vertices, faces, of, looking[of], longest)
     across = np.eye(3) - np.outer(towards, towards)
     box = other.vertices @ across
     low, high = box.min(axis=0) - longest, box.max(axis=0) + longest
@@ -59,24 +58,45 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
     while cut:
         corners = (vertices @ across)[faces]
         beneath = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
-        vertices, faces, flat, cut = _cut(vertices, faces, flat & beneath, shorter)
-    return surface if len(faces) == len(surface.faces) else Surface(vertices, faces)
+        vertices, faces, of, cut = _cut(vertices, faces, of, looking[of] & beneath, shorter)
+    if len(faces) == len(surface.faces):
+        return surface
+    face = np.empty(len(vertices), dtype=of.dtype)
+    face[faces] = of[:, None]
+    new = np.arange(len(surface.vertices), len(vertices))
+    vertices[new] += _straightened(curving(surface, smooth)).off(face[new], vertices[new])
+    return Surface(vertices, faces)
 
 
 def _size(surface: Surface) -> float:
     return float(np.ptp(surface.vertices, axis=0).max())
 
 
-def _cut(vertices: Array, faces: Ints, flat: Flags, longest: float) -> tuple[Array, Ints, Flags, bool]:
-    """Return vertices, faces and which are flat, each edge of a flat face that is too long cut in its middle; and
-    whether any was."""
+def _sides(faces: Ints, count: int) -> tuple[Ints, Ints]:
+    """Return the ends (e, 2) of the edges of ``count`` vertices' faces (m, 3), and which are ab, bc, ca of each."""
     sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, number = np.unique(sides @ np.array([len(vertices), 1]), return_inverse=True)
-    ends, number = np.stack(np.divmod(edges, len(vertices)), axis=1), number.reshape(-1, 3)
+    edges, number = np.unique(sides @ np.array([count, 1]), return_inverse=True)
+    return np.stack(np.divmod(edges, count), axis=1), number.reshape(-1, 3)
+
+
+def _straightened(curve: Curving) -> Curving:
+    """Return the curving with the edges of facets straight that are flat, or beside a crease."""
+    surface = curve.surface
+    cosine = (curve.normals[surface.faces] * surface.normals[:, None]).sum(axis=2)
+    flat = (cosine > np.cos(_LEVEL)).any(axis=1) | ~curve.smooth
+    ends, number = _sides(surface.faces, len(surface.vertices))
+    bent = np.bincount(number[flat].ravel(), minlength=len(ends))[number, None] == 0
+    return replace(curve, bulge=np.where(bent, curve.bulge, 0.0), skew=np.where(bent, curve.skew, 0.0))
+
+
+def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) -> tuple[Array, Ints, Ints, bool]:
+    """Return vertices, faces and the facets ``of`` which they are parts, each edge of a ``chosen`` face that is too
+    long cut in its middle; and whether any was."""
+    ends, number = _sides(faces, len(vertices))
     long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + 1e-9)
-    long &= np.bincount(number[flat].ravel(), minlength=len(ends)) > 0
+    long &= np.bincount(number[chosen].ravel(), minlength=len(ends)) > 0
     if not long.any():
-        return vertices, faces, flat, False
+        return vertices, faces, of, False
     middle = len(vertices) + np.cumsum(long) - 1
     corners = np.concatenate([faces, middle[number]], axis=1)
     pattern, found, kept = long[number], [], []
@@ -85,7 +105,7 @@ def _cut(vertices: Array, faces: Ints, flat: Flags, longest: float) -> tuple[Arr
         for child in children:
             found.append(corners[these][:, list(child)])
             kept.append(these)
-    of = np.concatenate(kept)
-    order = np.argsort(of, kind="stable")
+    parts = np.concatenate(kept)
+    order = np.argsort(parts, kind="stable")
     points = np.concatenate([vertices, vertices[ends[long]].mean(axis=1)])
-    return points, np.concatenate(found)[order], flat[of[order]], True
+    return points, np.concatenate(found)[order], of[parts[order]], True

@@ -695,3 +695,25 @@ def test_molds_far_apart_are_closed_to_their_first_touch_and_not_through_each_ot
     assert status == 0
     first = 4.5 - 200.0 + 50.0 * np.sin(np.radians(0.05))  # the edge that the tilt lowers touches first
     assert document["stroke_mm"] == pytest.approx(first, abs=1e-3)
+
+
+def test_long_strips_of_a_cylinder_meet_what_stands_over_their_middle(tmp_path, monkeypatch):
+    """STL of a cylinder is strips from end to end, whose corners say nothing of what stands over their middle."""
+    turn, ends = np.radians(np.linspace(-40.0, 40.0, 17)), np.array([-100.0, 100.0])
+    x = np.linspace(-110.0, 110.0, 111)
+    dimple = 10.0 - 7.0 * np.exp(-(x[:, None] ** 2 + x**2) / 450.0)
+    arc = np.repeat(80.0 * np.cos(turn)[:, None] - 80.0, 2, axis=1)
+    for name, across, along, height, up in (
+        ("male", 80.0 * np.sin(turn), ends, arc, True),
+        ("female", x, x, dimple, False),
+    ):
+        n, m = height.shape
+        points = np.stack([np.repeat(across, m), np.tile(along, n), height.ravel()], axis=1)
+        a = (np.arange(n - 1)[:, None] * m + np.arange(m - 1)).ravel()
+        one, two = np.stack([a, a + m, a + m + 1], axis=1), np.stack([a, a + m + 1, a + 1], axis=1)
+        faces = np.concatenate([one, two])
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(points, faces if up else faces[:, ::-1]))
+    (tmp_path / "foam.toml").write_text(FOAM)
+    _, document = press(tmp_path, monkeypatch, gap="3mm", temperature="23degC")
+    assert document["gap_min_mm"] == pytest.approx(3.0, abs=0.01)
+    assert document["chord_error_mm"] == pytest.approx(80.0 * (1.0 - np.cos(np.radians(2.5))), abs=0.01)

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.field import derivatives, read_field
 from hyperfab.chapters.job import Job
@@ -22,8 +23,9 @@ from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
+from hyperfab.pressing.curved import curving
 from hyperfab.pressing.dense import dense
-from hyperfab.pressing.mold import Expansion, PressFrame
+from hyperfab.pressing.mold import LOOKING, Expansion, PressFrame
 from hyperfab.pressing.placement import closing_frame
 from hyperfab.pressing.sandwich import thickness_factor, thinning_at
 from hyperfab.surface import Surface
@@ -41,10 +43,11 @@ _STEP = 0.1
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
-def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]:
-    """Read both molds and find how they close. Winding is mended and said; what cannot be mended is refused.
+def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame, float]:
+    """Read both molds, find how they close, and how far their facets stand off them [mm]. Winding is mended and said;
+    what cannot be mended is refused.
 
-    Gaps, temperatures and thicknesses are known at the corners of facets: large flat ones are cut.
+    Gaps, temperatures and thicknesses are known at the corners of facets: large ones are cut.
     """
     one, two = (_read_mold(job, name, case.stl_unit) for name in (case.male, case.female))
     failure: InputError | None = None
@@ -65,12 +68,23 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame]
                 if turned:
                     job.console.warn(f"{name}: all facets face away from the other mold; they were turned over")
             smooth = case.facets == "smooth"
+            facing = frame.direction, -frame.direction
             male, female = (
-                dense(surface, side * frame.direction, other, smooth)
-                for surface, other, side in zip(surfaces, surfaces[::-1], (1.0, -1.0), strict=True)
+                dense(surface, towards, other, smooth)
+                for surface, other, towards in zip(surfaces, surfaces[::-1], facing, strict=True)
             )
-            return male, female, frame
+            off = (_chord_error(one, towards, smooth) for one, towards in zip(surfaces, facing, strict=True))
+            return male, female, frame, sum(off)
     raise failure or InputError("the molds do not face each other")
+
+
+def _chord_error(surface: Surface, towards: Array, smooth: bool) -> float:
+    """Return how far the smooth surface stands off 95 % of the area of the facets that look ``towards`` (3,) [mm]."""
+    looking = surface.normals @ towards > LOOKING
+    height = np.linalg.norm(curving(surface, smooth).bulge[looking], axis=2).max(axis=1) / 4.0
+    order = np.argsort(height)
+    share = np.cumsum(surface.areas[looking][order])
+    return float(height[order][np.searchsorted(share, 0.95 * share[-1])])
 
 
 def read_foam(inputs: Inputs, name: str) -> FoamDocument:

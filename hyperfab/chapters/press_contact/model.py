@@ -40,6 +40,7 @@ class Files:
     heat        how hot the male and the female are
     surfaces    of the male and the female, as drawn
     frame       how they close
+    chord_error how far their facets stand off them as they come [mm]
     tilt        of ``press.tilt`` (3,) [deg], and ``offset`` of ``press.offset`` (3,) [mm]
     """
 
@@ -55,6 +56,7 @@ class Files:
     heat: tuple[HeatInput, HeatInput]
     surfaces: tuple[Surface, Surface]
     frame: PressFrame
+    chord_error: float
     tilt: np.ndarray
     offset: np.ndarray
 
@@ -93,7 +95,7 @@ def read_files(job: Job, case: PressCase) -> Files:
     note_temperature(job, case.foam, document, warm)
     layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
-    one, two, frame = read.read_molds(job, case)
+    one, two, frame, chord_error = read.read_molds(job, case)
     thickness = document.thickness + layers.thickness
     beside = f"the sandwich {thickness:.3g} mm thick"
     ask_unit(job, case.male, one, case.stl_unit, beside, LEAST_LAYERS * thickness, np.inf)
@@ -119,6 +121,7 @@ def read_files(job: Job, case: PressCase) -> Files:
         heat,
         (one, two),
         frame,
+        chord_error,
         tilt,
         offset,
     )

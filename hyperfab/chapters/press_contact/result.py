@@ -173,7 +173,7 @@ def document_of(told: PressResult) -> PressDocument:
         wanted=told.beside,
         compensation=told.compensation,
         warming=None if told.warmed is None else part_of(told.warmed, closed, frame.outward(closed.cold)),
-        chord_error_mm=_chord_error(closed.case.male) + _chord_error(closed.case.female),
+        chord_error_mm=told.model.files.chord_error,
         search="exact tree: every distance is proven the least",
         border_area_fraction=float(area[closed.at_border].sum() / area.sum()),
         oblique_area_fraction=float(area[closed.oblique].sum() / area.sum()),
@@ -317,14 +317,6 @@ def _mold_part(mold: Mold, told: PressResult, index: int) -> MoldPart:
         growth_strain=grown.strain,
         mount_mm=told.frame.sign * mold.mount,
     )
-
-
-def _chord_error(mold: Mold) -> float:
-    """How far the smooth surface stands off 95 % of the area of the facets that look at the other mold [mm]."""
-    height = np.linalg.norm(mold.front_curving.bulge, axis=2).max(axis=1) / 4.0
-    order = np.argsort(height)
-    share = np.cumsum(mold.front.areas[order])
-    return float(height[order][np.searchsorted(share, 0.95 * share[-1])])
 
 
 def _left_out(told: PressResult) -> list[str]:
