@@ -51,6 +51,10 @@ class ContactCase(Case):
     punch: str | None = file(
         "PUNCH.stl", "A surface in place of the sphere, its top at depth 0.", over=("sphere_radius",)
     )
+    edge_radius: float | None = amount(
+        "length", "LENGTH", "Sharp edges of the punch are rounded by this, as those of a tool are.", example="2.5mm",
+        above=0.0,
+    )  # fmt: skip
     depth: float = amount("length", "LENGTH", "How far the sphere or the punch is pushed in.", "60mm", above=0.0)
     prestretch: float = amount(
         "dimensionless", "S", "The rim is held at S times its undeformed place.", "1", example="1.05 for 5 %",
@@ -102,5 +106,7 @@ class ContactCase(Case):
         super().check()
         if self.punch is not None and self.sphere_radius is not None:
             raise UsageError("--punch and --sphere-radius: one or the other is pushed in")
+        if self.edge_radius is not None and self.punch is None:
+            raise UsageError("--edge-radius is for the edges of a --punch; a sphere has none")
         if self.punch is not None and self.middle_surface:
             raise UsageError("--middle-surface is for the sphere; offset the punch's surface by half the thickness")

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.membrane.rounded import SHARP, Rounded
 from hyperfab.surface import Surface
 
 
@@ -53,7 +54,8 @@ class Nearness:
         if self.facet is None:
             return Nearness(self.gap[nodes], self.normal[nodes], turning)
         if before is not None:
-            turning = np.where((self.facet[nodes] == before[nodes])[:, None, None], 0.0, turning)
+            same = (self.facet[nodes] == before[nodes]) & (before[nodes] >= 0)
+            turning = np.where(same[:, None, None], 0.0, turning)
         return Nearness(self.gap[nodes], self.normal[nodes], turning, self.facet[nodes])
 
 
@@ -115,13 +117,12 @@ class Sphere:
 
 #: Closer to an edge or corner than this part of the punch's size the direction to it is lost in rounding.
 _CLOSE = 1e-9
-#: An edge that turns by more than this (radians) is meant to be sharp: its facets stand for no curved surface.
-_SHARP = 0.45
 
 
 @dataclass(frozen=True)
 class Facets:
-    """The surface of a punch in its own coordinates, moved by ``shift`` (3,) [mm], its highest point to z = 0.
+    """The surface of a punch in its own coordinates, moved by ``shift`` (3,) [mm], its highest point to z = 0, its
+    sharp edges rounded by ``edge_radius`` [mm].
 
     >>> from hyperfab.surface import Surface
     >>> cone = Surface([[0, 0, 5], [9, 0, 0], [0, 9, 0], [-9, -9, 0]], [[0, 1, 2], [0, 2, 3], [0, 3, 1]])
@@ -131,6 +132,7 @@ class Facets:
 
     surface: Surface
     shift: Array
+    edge_radius: float = 0.0
     _seen: dict[int, Ints] = field(default_factory=dict, repr=False, compare=False)
 
     def near(self, places: Array, depth: float) -> Nearness:
@@ -145,7 +147,13 @@ class Facets:
         lost = np.abs(found.distance) < _CLOSE * self.size
         normal = np.where((inner | lost)[:, None], own, found.normal)
         gap = np.where(inner, ((points - found.point) * own).sum(axis=1), found.distance)
-        return Nearness(gap, normal, self._curvature[found.face], found.face)
+        if self.edge_radius == 0.0:
+            return Nearness(gap, normal, self._curvature[found.face], found.face)
+        turning, face = self._curvature[found.face], found.face.copy()
+        at, near, along, bent = self._rounded.near(points, found.face)
+        gap[at], normal[at], turning[at] = near, along, bent
+        face[at] = -1
+        return Nearness(gap, normal, turning, face)
 
     def height(self, plane: Array, depth: float) -> Array:
         """Return the height (n,) of the highest facet above points (n, 2) of the plane; minus infinity beside it."""
@@ -155,17 +163,25 @@ class Facets:
         return np.where(np.isfinite(way), high - way + self.shift[2] + depth, -np.inf)
 
     @cached_property
+    def _rounded(self) -> Rounded:
+        return Rounded(self.surface, self.edge_radius)
+
+    @cached_property
     def _curvature(self) -> Array:
         """Shape operators (m, 3, 3) [1/mm] of what the facets stand for; zero beside edges meant to be sharp."""
         curvature = self.surface.curvature.copy()
-        curvature[self.sharp] = 0.0
+        curvature[self._beside_edges] = 0.0
         return curvature
 
     @cached_property
     def sharp(self) -> Flags:
-        """Which facets (m,) have a corner on an edge that is meant to be sharp."""
+        """Which facets (m,) have a corner on an edge that is sharp."""
+        return self._beside_edges & (self.edge_radius == 0.0)
+
+    @cached_property
+    def _beside_edges(self) -> Flags:
         surface = self.surface
-        face, edge = np.nonzero(np.abs(surface.edge_turn) > _SHARP)
+        face, edge = np.nonzero(np.abs(surface.edge_turn) > SHARP)
         corner = np.zeros(len(surface.vertices), bool)
         corner[surface.faces[face, edge]] = corner[surface.faces[face, (edge + 1) % 3]] = True
         return np.asarray(np.any(corner[surface.faces], axis=1))

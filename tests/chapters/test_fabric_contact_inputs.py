@@ -157,10 +157,13 @@ def test_a_punch_in_inches_that_passes_for_a_needle_is_asked_about(hf, made):
         (["--element", "P3"], "P1"),
         (["--rim-slip", "-1 mm^2/N"], "--rim-slip"),
         (["--punch", "p.stl", "--sphere-radius", "30mm"], "--sphere-radius"),
+        (["--edge-radius", "3mm"], "--edge-radius is for the edges of a --punch"),
+        (["--punch", "ball.stl", "--edge-radius", "25mm", "--depth", "5mm"], "--edge-radius 25mm: between"),
         (["--shape", "gone.csv"], "gone.csv"),
     ],
 )
 def test_new_options_say_what_is_wrong(hf, made, words, said):
+    _ball(60.0).export("ball.stl")
     done = hf("fabric-contact", "fabric.json", *words, "-o", "out.json", cwd=made)
     assert done.returncode == (3 if "gone.csv" in words else 2)
     assert said in done.stderr.decode()

@@ -58,7 +58,7 @@ def run(job: Job, case: ContactCase) -> int:
         why, round_them = f"more than the {100.0 * case.tolerance:.2g} % asked for", ""
         if found.cut_max_mm:
             why = f"elements cut up to {found.cut_max_mm:.2g} mm into sharp edges of the punch"
-            round_them = "round the edges, or "
+            round_them = "round the edges with --edge-radius, or "
         sure_to = f"the force is sure to {100.0 * found.force_error_relative:.2g} % only"
         job.console.warn(f"{sure_to}, {why}: {round_them}choose a smaller --mesh-size")
     sure = Sure()

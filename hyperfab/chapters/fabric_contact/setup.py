@@ -82,8 +82,14 @@ class Setup:
             friction=self.friction,
             rim_slip=self.case.rim_slip,
             frame=self.case.yields,
-            facets=self.geometry.facets,
+            facets=self.punch,
         )
+
+    @property
+    def punch(self) -> Facets | None:
+        """The punch with its edges as rounded as the case asks."""
+        facets = self.geometry.facets
+        return None if facets is None else replace(facets, edge_radius=self.case.edge_radius or 0.0)
 
 
 def read_geometry(job: Job, case: ContactCase) -> Geometry:
@@ -119,6 +125,8 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
         whole = replace(outline, quarter=False)
         check_punch(geometry.facets, whole, case.prestretch, case.depth, case.punch)
         radius = 0.5 * float(np.ptp(geometry.facets.above(case.depth)[:, :2], axis=0).min())
+        if case.edge_radius is not None:
+            _within(case.edge_radius, 0.01 * radius, 0.5 * radius, f"--edge-radius {case.edge_radius:g}mm")
         if not symmetric(geometry.facets, case.depth):
             outline = whole
     mesh = case.mesh_size or _MESH * narrow / 2
