@@ -2,7 +2,8 @@
 
 A mold's STL has its vertices on the machined surface and its facets as chords below it, by about h^2 kappa / 8. Left
 alone that shifts every gap to one side by hundredths of a millimetre. Each facet is therefore curved with the
-quadratic that its three vertex normals ask for; edges that are creases, by more than CREASE_DEG, stay straight.
+quadratic that the normals at its three corners ask for. At edges that are creases, by more than CREASE_DEG, each side
+has normals of its own, and the edge is the curve that lies on both.
 """
 
 from __future__ import annotations
@@ -11,25 +12,28 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.surface import Surface
 
 CREASE_DEG = 25.0
+#: Square of the sine of the angle between the sides of a crease whose curve they tell, at least.
+_KNIFE = 0.1
 
 
 @dataclass(frozen=True)
 class Curving:
     """What curves the facets of a surface: ``bulge`` (m, 3, 3), four times the way [mm] from the middle of each edge
     ab, bc, ca to the smooth surface (``e^2 / (2 R)`` on a sphere), and ``skew`` (m, 3, 3), by how much more the edge
-    bends towards its first end, both zero where an end lies on a crease; ``normals`` (n, 3) those of the smooth surface
-    at the vertices; ``smooth`` (m,) facets without a corner on a crease."""
+    bends towards its first end, on a crease those of the curve that lies on both sides; ``normals`` (m, 3, 3) those of
+    the smooth surface at the corners of each facet."""
 
     surface: Surface
     normals: Array
     bulge: Array
     skew: Array
-    smooth: Flags
 
     @cached_property
     def room(self) -> Array:
@@ -48,18 +52,16 @@ class Curving:
         bent = self.bulge[face] + (weights - after)[..., None] * self.skew[face]
         return np.asarray(np.einsum("ne,nec->nc", weights * after, bent))
 
-    def normal(self, face: Ints, points: Array, facet: Array) -> Array:
-        """Unit normals (n, 3) of the smooth surface there; beside a crease those of the ``facet`` (n, 3)."""
+    def normal(self, face: Ints, points: Array) -> Array:
+        """Unit normals (n, 3) of the smooth surface there."""
         weights = barycentric(self.surface, face, points)
-        corners = self.normals[self.surface.faces[face]]
-        mean = (weights[..., None] * corners).sum(axis=1)
-        mean = mean / np.linalg.norm(mean, axis=1, keepdims=True)
-        return np.where(self.smooth[face, None], mean, facet)
+        mean = (weights[..., None] * self.normals[face]).sum(axis=1)
+        return np.asarray(mean / np.linalg.norm(mean, axis=1, keepdims=True))
 
     def reach(self, face: Ints, points: Array, directions: Array) -> Array:
         """How much further (n,) [mm] rays along ``directions`` (n, 3) go from the facets to the smooth surface."""
         facet = self.surface.normals[face]
-        normal = self.normal(face, points, facet)
+        normal = self.normal(face, points)
         slope = (directions * normal).sum(axis=1)
         height = self.height(face, points) * (facet * normal).sum(axis=1)
         # Rays that graze the surface are not followed: the tangent plane is no guide there.
@@ -67,35 +69,98 @@ class Curving:
 
     def part(self, surface: Surface, faces: Flags) -> Curving:
         """The curving of some faces, which are all of ``surface``."""
-        return Curving(surface, self.normals, self.bulge[faces], self.skew[faces], self.smooth[faces])
+        return Curving(surface, self.normals[faces], self.bulge[faces], self.skew[faces])
 
 
-def curving(surface: Surface, smooth: bool = True) -> Curving:
-    """Return how the facets of a surface curve; with ``smooth`` false they are taken as flat."""
+@dataclass(frozen=True)
+class Drawn:
+    """What facets are parts of that were cut: the ``faces`` (k, 3) that were drawn, between the vertices
+    that come first; which of them (m,) each facet is a part ``of``, and the ``weights`` (m, 3, 3) of that one's corners
+    at its own."""
+
+    faces: Ints
+    of: Ints
+    weights: Array
+
+    def whole(self, vertices: Array) -> Surface:
+        """The surface as drawn."""
+        return Surface(vertices[: self.faces.max() + 1], self.faces)
+
+    def corner_normals(self, vertices: Array) -> Array:
+        """Unit normals (m, 3, 3) at the corners of each part, of the smooth surface behind the facets as drawn."""
+        whole = self.whole(vertices)
+        found = np.einsum("mkc,mcx->mkx", self.weights, _corner_normals(whole, creases(whole))[self.of])
+        length = np.linalg.norm(found, axis=2, keepdims=True)
+        # Between normals that are opposite there is none: the surface is folded there.
+        return np.where(length > 0.5, found / np.maximum(length, 0.5), whole.normals[self.of][:, None])
+
+
+def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -> Curving:
+    """Return how the facets of a surface curve, where they were cut as those that were ``drawn`` do; with ``smooth``
+    false they are taken as flat."""
+    bulge, skew, upright = np.zeros((3, *surface.faces.shape, 3))
     if not smooth:
-        flat = np.zeros(len(surface.faces), dtype=bool)
-        none = np.zeros((*surface.faces.shape, 3))
-        return Curving(surface, surface.vertex_normals, none, none, flat)
-    creased = np.zeros(len(surface.vertices), dtype=bool)
-    for edge in range(3):
-        sharp = np.abs(surface.edge_turn[:, edge]) > np.radians(CREASE_DEG)
-        creased[surface.faces[sharp][:, [edge, (edge + 1) % 3]]] = True
-    normals = smooth_normals(surface)
-    bulge, skew = np.zeros((2, *surface.faces.shape, 3))
+        return Curving(surface, np.repeat(surface.normals[:, None], 3, axis=1), bulge, skew)
+    creased = creases(surface)
+    normals = _corner_normals(surface, creased) if drawn is None else drawn.corner_normals(surface.vertices)
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
         # From the lower number to the higher: both facets of an edge find the same to the last bit.
-        low, high = np.minimum(a, b), np.maximum(a, b)
-        chord = surface.vertices[high] - surface.vertices[low]
-        mean, turn = normals[low] + normals[high], normals[high] - normals[low]
+        turned = (a > b)[:, None]
+        ends = normals[:, edge], normals[:, (edge + 1) % 3]
+        low, high = np.where(turned, ends[1], ends[0]), np.where(turned, ends[0], ends[1])
+        chord = surface.vertices[np.maximum(a, b)] - surface.vertices[np.minimum(a, b)]
+        mean, turn = low + high, high - low
         length = np.linalg.norm(mean, axis=1)
         # Where normals are opposite no curve is told.
-        told = ~(creased[a] | creased[b] | (length < 0.5))
+        told = length >= 0.5
         mean = np.where(told[:, None], mean / np.where(told, length, 1.0)[:, None], 0.0)
         # The middle of a circle's arc exactly; at both ends upright on the normals.
         bulge[:, edge] = (2.0 * (chord * turn).sum(axis=1) / (2.0 + length))[:, None] * mean
         skew[:, edge] = (np.where(a < b, -1.0, 1.0) * (chord * mean).sum(axis=1))[:, None] * mean
-    return Curving(surface, normals, bulge, skew, np.asarray(~creased[surface.faces].any(axis=1)))
+        upright[:, edge] = mean
+    _meet(surface, creased, upright, bulge)
+    _meet(surface, creased, upright, skew, -1.0)
+    return Curving(surface, normals, bulge, skew)
+
+
+def _meet(surface: Surface, creased: Flags, upright: Array, bend: Array, turned: float = 1.0) -> None:
+    """Let ``bend`` (m, 3, 3) be on ``creased`` (m, 3) edges what lies on the smooth surfaces of both sides.
+
+    ``upright`` (m, 3, 3) are the normals in the middle of each edge; seen from the other side a bend is ``turned``.
+    """
+    face, edge = np.nonzero(creased & (surface.twins > np.arange(len(creased))[:, None]))
+    other = surface.twins[face, edge]
+    back = np.argmax(surface.faces[other] == surface.faces[face, (edge + 1) % 3][:, None], axis=1)
+    one, two = upright[face, edge], upright[other, back]
+    here, there = (bend[face, edge] * one).sum(axis=1), turned * (bend[other, back] * two).sum(axis=1)
+    cosine = (one * two).sum(axis=1)
+    # Along a knife's edge both sides tell the same: it stays straight.
+    sure = 1.0 - cosine**2 > _KNIFE
+    share = np.where(sure, 1.0 / np.where(sure, 1.0 - cosine**2, 1.0), 0.0)
+    both = (share * (here - cosine * there))[:, None] * one + (share * (there - cosine * here))[:, None] * two
+    bend[face, edge], bend[other, back] = both, turned * both
+
+
+def creases(surface: Surface) -> Flags:
+    """Which edges (m, 3) are creases."""
+    return np.asarray(np.abs(surface.edge_turn) > np.radians(CREASE_DEG))
+
+
+def _corner_normals(surface: Surface, creased: Flags) -> Array:
+    """Unit normals (m, 3, 3) at the corners of each facet, of the smooth surface on its side of ``creased`` (m, 3)
+    edges."""
+    faces, twins = surface.faces, surface.twins
+    face, edge = np.nonzero(~creased & (twins >= 0))
+    other = twins[face, edge]
+    own, across = [], []
+    for corner in (edge, (edge + 1) % 3):
+        own.append(3 * face + corner)
+        across.append(3 * other + np.argmax(faces[other] == faces[face, corner][:, None], axis=1))
+    ends = np.concatenate(own), np.concatenate(across)
+    joined = coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(faces.size, faces.size))
+    count, side = connected_components(joined, directed=False)
+    return _summed(surface, side.reshape(-1, 3), count)[side].reshape(*faces.shape, 3)
 
 
 def smooth_normals(surface: Surface) -> Array:
@@ -103,14 +168,19 @@ def smooth_normals(surface: Surface) -> Array:
 
     They are exact where the vertices lie on a sphere, however irregular the facets (J. Graphics Tools 4 (1999) 1).
     """
-    total = np.zeros_like(surface.vertices)
+    return _summed(surface, surface.faces, len(surface.vertices))
+
+
+def _summed(surface: Surface, at: Ints, count: int) -> Array:
+    """Unit normals (count, 3) of the weighted normals of facets, each corner's summed ``at`` (m, 3)."""
+    total = np.zeros((count, 3))
     corners = [surface.vertices[surface.faces[:, k]] for k in range(3)]
     for k in range(3):
         one, two = corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]
         lengths = (one * one).sum(axis=1) * (two * two).sum(axis=1)
         weighted = np.cross(one, two) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
         for axis in range(3):
-            total[:, axis] += np.bincount(surface.faces[:, k], weights=weighted[:, axis], minlength=len(total))
+            total[:, axis] += np.bincount(at[:, k], weights=weighted[:, axis], minlength=count)
     length = np.linalg.norm(total, axis=1, keepdims=True)
     return np.asarray(total / np.where(length > 0.0, length, 1.0))
 

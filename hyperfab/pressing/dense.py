@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import Curving, curving
+from hyperfab.pressing.curved import Curving, Drawn, barycentric, creases, curving
 from hyperfab.pressing.mold import LOOKING
 from hyperfab.surface import Surface
 
@@ -31,9 +31,10 @@ _CUTS = {
 }
 
 
-def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True) -> Surface:
+def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True) -> tuple[Surface, Drawn | None]:
     """Return the same surface with its large facets that look ``towards`` (3,) the ``other`` mold cut, and their
-    neighbours where they meet them; new corners are on the ``smooth`` surface.
+    neighbours where they meet them; new corners are on the ``smooth`` surface. And what its facets are parts of; None
+    where none was cut.
 
     Beneath a smaller mold facets are cut to the measure of that: beside its edges the gap goes from one facet to the
     next by as much as they are long.
@@ -42,7 +43,7 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
     >>> square = Surface(
     ...     np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2], [0, 2, 3]])
     ... )
-    >>> fine = dense(square, np.array([0.0, 0, 1]), square)
+    >>> fine, _ = dense(square, np.array([0.0, 0, 1]), square)
     >>> len(fine.faces), float(fine.areas.sum().round(12))
     (2048, 1.0)
     """
@@ -60,12 +61,15 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
         beneath = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
         vertices, faces, of, cut = _cut(vertices, faces, of, looking[of] & beneath, shorter)
     if len(faces) == len(surface.faces):
-        return surface
+        return surface, None
+    # Halves of halves, to the last bit: two facets find the same at an edge of theirs.
+    weights = barycentric(surface, np.repeat(of, 3), vertices[faces].reshape(-1, 3)).reshape(-1, 3, 3)
+    drawn = Drawn(surface.faces, of, np.round(weights * 2.0**20) / 2.0**20)
     face = np.empty(len(vertices), dtype=of.dtype)
     face[faces] = of[:, None]
     new = np.arange(len(surface.vertices), len(vertices))
     vertices[new] += _straightened(curving(surface, smooth)).off(face[new], vertices[new])
-    return Surface(vertices, faces)
+    return Surface(vertices, faces), drawn
 
 
 def _size(surface: Surface) -> float:
@@ -80,12 +84,17 @@ def _sides(faces: Ints, count: int) -> tuple[Ints, Ints]:
 
 
 def _straightened(curve: Curving) -> Curving:
-    """Return the curving with the edges of facets straight that are flat, or beside a crease."""
+    """Return the curving with edges straight of which one end tells less than the other: those of flat facets, but for
+    creases, and those that start at a crease, where normals are of one side, and end away from any."""
     surface = curve.surface
-    cosine = (curve.normals[surface.faces] * surface.normals[:, None]).sum(axis=2)
-    flat = (cosine > np.cos(_LEVEL)).any(axis=1) | ~curve.smooth
+    flat = ((curve.normals * surface.normals[:, None]).sum(axis=2) > np.cos(_LEVEL)).any(axis=1)
+    creased = creases(surface)
     ends, number = _sides(surface.faces, len(surface.vertices))
-    bent = np.bincount(number[flat].ravel(), minlength=len(ends))[number, None] == 0
+    straight = np.bincount(number[flat][~creased[flat]], minlength=len(ends)) > 0
+    on_crease = np.zeros(len(surface.vertices), dtype=bool)
+    on_crease[ends[number[creased]]] = True
+    straight |= on_crease[ends[:, 0]] != on_crease[ends[:, 1]]
+    bent = ~straight[number, None]
     return replace(curve, bulge=np.where(bent, curve.bulge, 0.0), skew=np.where(bent, curve.skew, 0.0))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
-from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.mold import LOOKING, Mold
 from hyperfab.pressing.projection import smooth_gap
 from hyperfab.surface import Surface
 
@@ -123,7 +123,17 @@ def molding_front(male: Mold, female: Mold) -> Front:
     used, renumbered = np.unique(faces, return_inverse=True)
     faces = renumbered.reshape(-1, 3)
     part = Surface(male.vertices[used], faces)
-    return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))
+    if male.drawn is None:
+        return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))
+    # Facets that were cut are unlike around a corner: the normals are those of the facets as drawn, and so is the rim.
+    normals = np.zeros_like(part.vertices)
+    np.add.at(normals, faces, male.curving.normals[chosen])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    whole = male.drawn.whole(male.vertices)
+    looking = whole.normals[:, 2] > LOOKING
+    flange = np.zeros(len(whole.faces), dtype=bool)
+    flange[looking] = _flange(Surface(whole.vertices, whole.faces[looking]))
+    return Front(part.vertices, faces, normals, part.areas, used, flange[male.drawn.of[chosen]])
 
 
 def touch_gap(front: Front, nearest: Array, along_normal: Array) -> Array:

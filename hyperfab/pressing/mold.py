@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import Curving, curving
+from hyperfab.pressing.curved import Curving, Drawn, curving
 from hyperfab.pressing.tetra import TetraMesh, at_boundary
 from hyperfab.surface import Surface
 
@@ -65,7 +65,7 @@ class Mold:
 
     ``side`` is +1 for the male, which looks up, and -1 for the female. ``mount`` is the height [mm] of its mounting
     face, about which it grows when it is heated. With ``smooth`` the facets stand for the smooth surface through
-    their vertices (see ``curved``), else for themselves.
+    their vertices (see ``curved``), else for themselves. ``drawn`` is what they are parts of where they were cut.
     """
 
     vertices: Array
@@ -73,6 +73,7 @@ class Mold:
     side: int
     mount: float
     smooth: bool = True
+    drawn: Drawn | None = None
 
     @cached_property
     def surface(self) -> Surface:
@@ -101,7 +102,7 @@ class Mold:
     @cached_property
     def curving(self) -> Curving:
         """How the smooth surface stands off the facets of ``surface``."""
-        return curving(self.surface, self.smooth)
+        return curving(self.surface, self.smooth, self.drawn)
 
     @cached_property
     def front_curving(self) -> Curving:
@@ -118,11 +119,18 @@ class Mold:
         return self.moved(self.vertices + shift, self.mount + height)
 
 
-def mold(vertices: Array, faces: Ints, side: int, mount: float | None = None, smooth: bool = True) -> Mold:
+def mold(
+    vertices: Array,
+    faces: Ints,
+    side: int,
+    mount: float | None = None,
+    smooth: bool = True,
+    drawn: Drawn | None = None,
+) -> Mold:
     """Return the mold; its mounting face is the end that is turned away from the other mold, unless given."""
     heights = vertices[:, 2]
     back = float(heights.min() if side > 0 else heights.max())
-    return Mold(vertices, faces, side, back if mount is None else mount, smooth)
+    return Mold(vertices, faces, side, back if mount is None else mount, smooth, drawn)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.errors import InputError
+from hyperfab.pressing.curved import Drawn
 from hyperfab.pressing.gap import gap_towards
 from hyperfab.pressing.mold import LOOKING, Mold, PressFrame, mold
 from hyperfab.surface import Surface
@@ -93,9 +94,9 @@ def clearance(male: Mold, female: Mold) -> Clearance:
     return Clearance(gap, at)
 
 
-def in_frame(surface: Surface, frame: PressFrame, side: int, smooth: bool = True) -> Mold:
+def in_frame(surface: Surface, frame: PressFrame, side: int, smooth: bool = True, drawn: Drawn | None = None) -> Mold:
     """Return a mold in the press frame; it is mounted on the face that is turned away from the other mold."""
-    return mold(frame.inward(surface.vertices), surface.faces, side, smooth=smooth)
+    return mold(frame.inward(surface.vertices), surface.faces, side, smooth=smooth, drawn=drawn)
 
 
 def _closing_when_parted(male: Surface, female: Surface, axis: str) -> PressFrame | None:

@@ -176,8 +176,10 @@ def test_the_compensated_cup_forms_what_is_wanted_and_so_does_its_stl(cups, monk
     assert len(found["history"]) == found["iterations"] + 2
     assert abs(found["history"][-1]["worst_mm"]) == pytest.approx(abs(found["wanted"]["worst_mm"]))
     _, back = read_back(cups, monkeypatch, LAW, document, **options)
-    # Single precision and welding of the STL apart, it is the male that was found.
-    assert abs(back["wanted"]["worst_mm"]) < 0.01
+    # It is the male that was found; the large facets of its STL are cut, and between their corners, where no gap was
+    # sought, the smooth surfaces of two coarse molds part by some more.
+    assert back["wanted"]["rms_mm"] < 0.003
+    assert abs(back["wanted"]["worst_mm"]) < 0.02
     assert back["formed"]["thickness_mean_mm"] == pytest.approx(3.0, abs=0.005)
 
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from hyperfab.pressing.dense import dense
+from hyperfab.pressing.gap import molding_front, nearest_gap
+from hyperfab.pressing.mold import mold
 from hyperfab.samples import cup
 from hyperfab.surface import Surface
 
@@ -33,7 +35,7 @@ def test_new_corners_are_on_the_sphere_that_large_facets_stand_for() -> None:
             a, b = 1 + 16 * ring + k, 1 + 16 * ring + (k + 1) % 16
             faces += [[a, a + 16, b + 16], [a, b + 16, b]]
     sphere = Surface(np.array(points), np.array(faces))
-    fine = dense(sphere, UP, sphere)
+    fine, _ = dense(sphere, UP, sphere)
     assert len(fine.faces) > 4 * len(faces)
     assert fine.areas.max() < sphere.areas.max() / 4.0
     off = np.abs(np.linalg.norm(fine.vertices, axis=1) - radius)
@@ -44,21 +46,45 @@ def test_new_corners_are_on_the_sphere_that_large_facets_stand_for() -> None:
 def test_strips_of_a_cylinder_are_cut_along_and_across() -> None:
     turn, x = np.radians(np.linspace(-40.0, 40.0, 9)), np.array([-100.0, 100.0])
     cylinder = grid(80.0 * np.sin(turn), x, np.repeat(80.0 * np.cos(turn)[:, None], 2, axis=1))
-    fine = dense(cylinder, UP, cylinder)
+    fine, _ = dense(cylinder, UP, cylinder)
     inner = np.abs(fine.vertices[:, 0]) < 80.0 * np.sin(np.radians(29.0))
     assert np.abs(np.hypot(fine.vertices[:, 0], fine.vertices[:, 2]) - 80.0)[inner].max() < 1e-3  # chords: 0.3
     assert len(np.unique(fine.vertices[:, 1].round(6))) >= 21
 
 
-def test_a_flat_rim_stays_flat_where_a_blend_begins() -> None:
-    male = cup.male_cup(8, 9)
-    surface = Surface(male.vertices, male.faces)
-    fine = dense(surface, UP, surface)
-    assert len(fine.faces) > len(surface.faces)
-    top = surface.normals[:, 2] > 0.5
-    low = surface.vertices[surface.faces[top]][..., 2].min()
-    looking = fine.normals[:, 2] > 0.5
-    level = np.abs(fine.vertices[fine.faces[looking]][..., 2] - low).max(axis=1) < 1e-9
-    before = np.abs(surface.vertices[surface.faces[top]][..., 2] - low).max(axis=1) < 1e-9
-    assert fine.vertices[fine.faces[looking]][..., 2].min() >= low - 1e-9
-    assert fine.areas[looking][level].sum() == pytest.approx(surface.areas[top][before].sum(), rel=1e-9)
+@pytest.mark.parametrize("cells", [(8, 9), (16, 15), (20, 21)])
+def test_a_flat_rim_is_found_as_it_was_drawn(cells) -> None:
+    """Facets that are cut where the blend begins bulge a little below it."""
+    one, two = cup.male_cup(*cells), cup.female_cup(*cells[::-1])
+    male, female = Surface(one.vertices, one.faces), Surface(two.vertices, two.faces)
+    fine, drawn = dense(male, UP, female)
+    assert drawn is not None
+    fronts = [
+        molding_front(mold(surface.vertices, surface.faces, 1, drawn=parts), mold(two.vertices, two.faces, -1))
+        for surface, parts in ((male, None), (fine, drawn))
+    ]
+    areas = [front.areas[front.flange].sum() for front in fronts]
+    assert areas[0] > 2e4
+    assert areas[1] == pytest.approx(areas[0], rel=5e-3)
+
+
+@pytest.mark.parametrize("is_cut", [False, True])
+def test_strips_between_end_faces_curve_up_to_their_creases(is_cut) -> None:
+    """A tunnel in a block, as CAD writes it: strips from end to end, each corner on a crease."""
+    turn = np.radians(np.linspace(20.0, 160.0, 21))
+    arc = 66.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    outline = np.concatenate([arc, np.stack([arc[::-1, 0], np.full(21, 90.0)], axis=1)])
+    n, k = len(outline), np.arange(len(outline))
+    after = (k + 1) % n
+    points = np.concatenate([np.insert(outline, 1, y, axis=1) for y in (-100.0, 100.0)])
+    sides = np.concatenate([np.stack([k, after, after + n], axis=1), np.stack([k, after + n, k + n], axis=1)])
+    low, high = np.arange(20), n - 1 - np.arange(20)
+    front = np.concatenate([np.stack([low + 1, low, high], axis=1), np.stack([low + 1, high, high - 1], axis=1)])
+    block = Surface(points, np.concatenate([sides, front, front[:, ::-1] + n]))
+    assert block.soundness().closed
+    fine, drawn = dense(block, -UP, block) if is_cut else (block, None)
+    tunnel = mold(fine.vertices, fine.faces, -1, drawn=drawn)
+    random = np.random.default_rng(0)
+    at, along = np.radians(random.uniform(-60.0, 60.0, 500)), random.uniform(-90.0, 90.0, 500)
+    gap = nearest_gap(np.stack([60.0 * np.sin(at), along, 60.0 * np.cos(at)], axis=1), tunnel).nearest
+    assert np.abs(gap - 6.0).max() < 1e-3  # chords: 0.12

@@ -23,7 +23,7 @@ from hyperfab.documents.quantity import TableFile
 from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
-from hyperfab.pressing.curved import curving
+from hyperfab.pressing.curved import Drawn, curving
 from hyperfab.pressing.dense import dense
 from hyperfab.pressing.mold import LOOKING, Expansion, PressFrame
 from hyperfab.pressing.placement import closing_frame
@@ -43,7 +43,11 @@ _STEP = 0.1
 _REFERENCE_RANGE = (-50.0, 60.0)
 
 
-def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame, float]:
+#: A mold's surface, and what its facets are parts of where they were cut.
+Shape = tuple[Surface, Drawn | None]
+
+
+def read_molds(job: Job, case: PressCase) -> tuple[tuple[Shape, Shape], PressFrame, float]:
     """Read both molds, find how they close, and how far their facets stand off them [mm]. Winding is mended and said;
     what cannot be mended is refused.
 
@@ -74,7 +78,7 @@ def read_molds(job: Job, case: PressCase) -> tuple[Surface, Surface, PressFrame,
                 for surface, other, towards in zip(surfaces, surfaces[::-1], facing, strict=True)
             )
             off = (_chord_error(one, towards, smooth) for one, towards in zip(surfaces, facing, strict=True))
-            return male, female, frame, sum(off)
+            return (male, female), frame, sum(off)
     raise failure or InputError("the molds do not face each other")
 
 

@@ -20,7 +20,6 @@ from hyperfab.pressing.foam_law import Tempered
 from hyperfab.pressing.mold import Expansion, PressFrame
 from hyperfab.pressing.placement import check_roles, in_frame
 from hyperfab.pressing.sandwich import Sandwich
-from hyperfab.surface import Surface
 
 #: A mold is wider than so many thicknesses of the sandwich; an inch read as a millimetre makes a cup two of them.
 LEAST_LAYERS = 5.0
@@ -38,7 +37,7 @@ class Files:
     thinning    by which rule the foam thins; empty where none is draped
     expansions  of the male and the female
     heat        how hot the male and the female are
-    surfaces    of the male and the female, as drawn
+    shapes      of the male and the female, as drawn
     frame       how they close
     chord_error how far their facets stand off them as they come [mm]
     tilt        of ``press.tilt`` (3,) [deg], and ``offset`` of ``press.offset`` (3,) [mm]
@@ -54,7 +53,7 @@ class Files:
     thinning: str
     expansions: tuple[Expansion, Expansion]
     heat: tuple[HeatInput, HeatInput]
-    surfaces: tuple[Surface, Surface]
+    shapes: tuple[read.Shape, read.Shape]
     frame: PressFrame
     chord_error: float
     tilt: np.ndarray
@@ -95,7 +94,8 @@ def read_files(job: Job, case: PressCase) -> Files:
     note_temperature(job, case.foam, document, warm)
     layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
-    one, two, frame, chord_error = read.read_molds(job, case)
+    molds, frame, chord_error = read.read_molds(job, case)
+    one, _ = molds[0]
     thickness = document.thickness + layers.thickness
     beside = f"the sandwich {thickness:.3g} mm thick"
     ask_unit(job, case.male, one, case.stl_unit, beside, LEAST_LAYERS * thickness, np.inf)
@@ -119,7 +119,7 @@ def read_files(job: Job, case: PressCase) -> Files:
         rule,
         expansions,
         heat,
-        (one, two),
+        molds,
         frame,
         chord_error,
         tilt,
@@ -202,7 +202,8 @@ def joint_of(case: PressCase, files: Files) -> np.ndarray | None:
 def model_of(job: Job, case: PressCase, files: Files) -> Model:
     """Return the hot press that a case describes, with what its files hold."""
     frame, document, smooth = files.frame, files.document, case.facets == "smooth"
-    molds = in_frame(files.surfaces[0], frame, 1, smooth), in_frame(files.surfaces[1], frame, -1, smooth)
+    (one, cut_one), (two, cut_two) = files.shapes
+    molds = in_frame(one, frame, 1, smooth, cut_one), in_frame(two, frame, -1, smooth, cut_two)
     with placed(f"{case.male}, {case.female}"):
         check_roles(*molds)
     male, female = (
