@@ -1,6 +1,6 @@
 """Which other names could stand for a found effect.
 
-Those that do the same on these very data; where laws only describe, those too with which the data are nearly as likely.
+Those that do the same on these very data; those too with which the data are nearly as likely.
 """
 
 from __future__ import annotations
@@ -42,9 +42,14 @@ def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[
         }
         for name, states in tried.items()
     }
-    if search.problem.describes:
-        for name, states in _as_likely(search, best, sure()).items():
+    for name, states in _as_likely(search, best, sure()).items():
+        if search.problem.describes:
             found[name] = {**found[name], **states}
+        else:
+            found[name] = {
+                **{other: one for other, one in states.items() if _payable(search, best, one)},
+                **found[name],
+            }
     for name, others in found.items():
         for other in _never_told_from(search.problem, name, best.fit.forms):
             if other in tried[name]:
@@ -52,6 +57,17 @@ def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[
         if search.problem.effect(name).of_document:
             found[name] = {**others, **_own_instead(search, best, name)}
     return found
+
+
+def _payable(search: Search, best: Candidate, state: Candidate) -> bool:
+    """Whether a model that is as likely, whatever its constants, nearly pays for them by BIC too.
+
+    A law of physics that is not quite the part's leaves a little, or needs a constant or two more for that: another may
+    win by luck then. But three more pass for nearly anything, a second name among it.
+    """
+    strained = is_strained(search.problem, state.fit) and not is_strained(search.problem, best.fit)
+    more = len(state.fit.x) - len(best.fit.x)
+    return more <= 2 and _gap(search, best, state) < 2.0 * MARGIN and not strained
 
 
 def _own_instead(search: Search, best: Candidate, name: str) -> dict[str, Candidate]:

@@ -136,6 +136,35 @@ def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
     assert confounding.does_the_same(search, best, other, lambda: 1.0) == told  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize(
+    ("describes", "gap", "away", "more", "told"),
+    [
+        (False, 12.0, 0.0, 2, True),
+        (False, 18.0, 0.0, 1, False),
+        (False, 12.0, 6.0, 1, False),
+        (False, 12.0, 0.0, 3, False),
+        (True, 18.0, 6.0, 3, True),
+    ],
+)
+def test_a_law_of_physics_that_is_as_likely_is_told_where_it_nearly_pays(
+    describes: bool, gap: float, away: float, more: int, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A specific heat that changes was named alone at 0.31, a heater that fades at 0.21 with two constants more."""
+    own = [Constant("c", 0.0, prior_sd=1.0)]
+    problem = SimpleNamespace(describes=describes, own=own, effect=lambda name: SimpleNamespace(of_document=False))
+    best, other = (
+        SimpleNamespace(ids=("one",), fit=SimpleNamespace(x=np.array(x), forms={}))
+        for x in ([0.0], [away, *[1.0] * more])
+    )
+    monkeypatch.setattr(confounding, "_tried_instead_of", lambda *given: {})
+    monkeypatch.setattr(confounding, "_never_told_from", lambda *given: [])
+    monkeypatch.setattr(confounding, "_as_likely", lambda *given: {"one": {"other": other}})
+    monkeypatch.setattr(confounding, "_gap", lambda *given: gap)
+    search: Any = SimpleNamespace(problem=problem, noise=None)
+    found = confounding.rivals(search, best, lambda: None)  # type: ignore[arg-type, return-value]
+    assert list(found["one"]) == ["other"] * told
+
+
 X, Y = np.random.default_rng(5).uniform(-1.0, 1.0, (2, 160))
 
 
