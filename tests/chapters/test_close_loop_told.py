@@ -112,6 +112,21 @@ def test_constants_that_leave_what_is_known_of_them_are_told(hf: Run, model: Pat
     assert "far from what is known" not in free
 
 
+def test_constants_that_take_all_that_the_model_lacked_are_told(hf: Run, model: Path) -> None:
+    """A model stiffer by a fifth: no constant is where it may not be, but the model was off."""
+    name = write(model, "a.csv")
+    for given, takes in ((0.12, True), (0.1, False)):
+        constants = {"C10_MPa": given, "C20_MPa": 0.02, "C30_MPa": 0.02 / 3.0}
+        (model / "m.json").write_text(json.dumps(MODEL | {"parameters": constants}))
+        found, told = closed(hf, model, [name], "--prior", "20%")
+        value = found["constants"]["refitted"]["C10_MPa"]
+        assert found["verdict"] == "noise"
+        assert "far from what is known" not in told
+        said = f"That takes C10_MPa from {given:.4g} to {value:.4g} ({abs(value / given - 1.0) / 0.2:.2g} standard dev"
+        assert (said in told) is takes
+        assert ("That takes" in told) is takes
+
+
 @pytest.mark.parametrize("role", ["--hold-out", "--measured"])
 @pytest.mark.parametrize("other", ["a.csv", "./a.csv", "copy.csv"])
 def test_no_reading_takes_part_twice(hf: Run, model: Path, role: str, other: str) -> None:
@@ -489,7 +504,8 @@ def test_a_constant_that_went_as_far_as_it_may_is_told_to_be_there() -> None:
     joints = [Constant(f"contact.{k}.h", 1.0, 0.2, 1.8, 0.1, 0.1) for k in range(2)]
     problem: Any = SimpleNamespace(expected=joints)
     found: Any = SimpleNamespace(after=SimpleNamespace(fit=SimpleNamespace(x=np.array([0.2, 0.3]), own=2)))
-    (line,) = _far_from_known(problem, found)
+    document: Any = SimpleNamespace(error=SimpleNamespace(delivered=None))
+    (line,) = _far_from_known(problem, found, document)
     assert "contact.0.h from 1 to 0.2 (8 standard deviations, the farthest it may go)" in line
     assert "contact.1.h from 1 to 0.3 (7 standard deviations)" in line
 

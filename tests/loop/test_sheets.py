@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
 from hyperfab.chapters.close_loop import coupled
-from hyperfab.chapters.close_loop.origins import another_frame, another_zero
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
 from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
@@ -160,6 +160,27 @@ def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told
         said = re.search(r"depth.zero (-?[\d.]+) mm, though known to 0.1 mm", line)
         assert said is not None
         assert float(said[1]) == pytest.approx(zero, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("offset_N", "stretch", "wave_N", "told"),
+    [(0.3, 0.0, 0.0, True), (-0.3, 0.0, 0.0, True), (0.0, 0.03, 0.0, False), (0.3, 0.0, 0.3, False)],
+)
+def test_a_load_cell_off_its_zero_is_told(offset_N: float, stretch: float, wave_N: float, told: bool) -> None:
+    """Not of a sheet mounted taut, nor where it is not all that is missed."""
+    problem = contact()
+    own = np.array([1.0, 1.0, 0.0])
+    depth = problem.files[0].depth
+    rows = len(depth)
+    off = 0.02 * np.random.default_rng(2).standard_normal(rows) + wave_N * np.sin(depth) + offset_N
+    problem.measured[:rows] = problem.predict(own, {"pretension": ("even", np.array([stretch]))})[:rows] + off
+    noise = Noise(np.where(np.arange(len(problem.measured)) < rows, 0.02, 1.0), np.inf, "stated")
+    lines = untared(problem, close(problem, noise=noise, design=False))
+    assert bool(lines) is told
+    for line in lines:
+        said = re.search(r"load cell ([\d.]+) N too (high|low)", line)
+        assert said is not None
+        assert float(said[1]) * (1.0 if said[2] == "high" else -1.0) == pytest.approx(offset_N, abs=0.03)
 
 
 def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:

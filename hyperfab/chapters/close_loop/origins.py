@@ -8,7 +8,11 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.thresholds import FEWEST, SHARE, SMALL
+from hyperfab.loop.thresholds import FEWEST, MARGIN, SHARE, SMALL
+
+#: Times that the offset of a load cell is brought nearer to what suits the readings best: the model's own constants go
+#: with it, and are linear in it but for their bounds.
+_NEARER = 3
 
 
 def another_frame(problem: Problem, found: Finding) -> list[str]:
@@ -67,3 +71,39 @@ def another_zero(problem: Problem, found: Finding) -> list[str]:
                 "to lack."
             )
     return told
+
+
+def untared(problem: Problem, found: Finding) -> list[str]:
+    """Return by how much a load cell would be off its zero throughout, where that is all the model misses forces by.
+
+    Not where what was found does better: a sheet mounted taut is a little like it.
+    """
+    if not isinstance(problem, FilesProblem) or found.verdict == "noise":
+        return []
+    forces = np.concatenate([np.full(len(one.values), one.kind == "force") for one in problem.files])
+    if not forces.any():
+        return []
+    unit = np.zeros(len(problem.measured))
+    unit[: len(forces)] = forces
+    before = found.before.fit
+    offset, freed = 0.0, before
+    step = float(np.sqrt(np.mean((problem.measured - before.predicted)[unit > 0.0] ** 2)))
+    for _ in range(_NEARER):
+        last = freed
+        freed = fit(problem, found.noise, {}, before.x, data=problem.measured - (offset + step) * unit)
+        slope = (freed.residual - last.residual) / step
+        offset += step
+        step = -float(slope @ freed.residual) / max(float(slope @ slope), 1e-300)
+        if abs(step) < 1e-3 * abs(offset):
+            break
+    read = np.flatnonzero(unit)
+    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
+    largest = 0.5 * float(np.max(np.abs(problem.measured[read])))
+    if beyond <= SMALL**2 or left > max(SHARE * beyond, SMALL**2) or abs(offset) > largest:
+        return []
+    if freed.chi2 > found.after.fit.chi2 + MARGIN:
+        return []
+    return [
+        f"Were the load cell {abs(offset):.3g} N too {'high' if offset > 0.0 else 'low'} throughout, the model would "
+        "meet these readings without any effect: look at its zero before anything is said to lack."
+    ]

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, size_of, told_of
-from hyperfab.chapters.close_loop.origins import another_frame, another_zero
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
@@ -48,7 +48,7 @@ def strength(lowered: float) -> str:
 
 def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
     """Return what came out: how far off, what lacks, how sure, what is left, what to measure next."""
-    lines = [_how_far(problem, found, document), *_far_from_known(problem, found)]
+    lines = [_how_far(problem, found, document), *_far_from_known(problem, found, document)]
     if document.verdict == "noise":
         lines.append(_noise(found, document))
     lines += [_effect(problem, effect) for effect in document.effects]
@@ -68,7 +68,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
-    lines += [*another_frame(problem, found), *another_zero(problem, found)]
+    lines += [*another_frame(problem, found), *another_zero(problem, found), *untared(problem, found)]
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
         told = "; ".join(f"{name}: {by.get(name, _OWN)}" for name in document.indistinguishable[0])
@@ -185,24 +185,30 @@ def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
     return f"{given}With its own constants refitted the model misses by {size_of(error.before, unit)} (rms), {noise}."
 
 
-def _far_from_known(problem: Problem, found: Finding) -> list[str]:
-    """Return which of the model's own constants the data move far from what is known of them.
+def _far_from_known(problem: Problem, found: Finding, document: LoopDocument) -> list[str]:
+    """Return which of the model's own constants the data move far from what is known of them, or which they moved most
+    where that was all that the model as delivered lacked.
 
     A heater that gives half its power is refitted as well as one that gives all of it: the fit is good, the document
     is not.
     """
-    fit = found.after.fit
-    told = [
-        f"{one.name} from {one.value:.4g} to {value:.4g} ({abs(away):.2g} standard deviations{_END * one.ends(value)})"
-        for one, value in zip(problem.expected, fit.x, strict=False)
-        if np.isfinite(one.prior_sd) and abs(away := (value - one.value) / one.prior_sd) > TOLD
-    ]
-    if not told:
+    fit, given = found.after.fit, document.error.delivered
+    moved = []
+    for one, value in zip(problem.expected, fit.x, strict=False):
+        if np.isfinite(one.prior_sd):
+            away = abs(value - one.value) / one.prior_sd
+            far = f"{away:.2g} standard deviations{_END * one.ends(value)}"
+            moved.append((away, f"{one.name} from {one.value:.4g} to {value:.4g} ({far})"))
+    if told := [text for away, text in moved if away > TOLD]:
+        return [
+            f"The fit moves constants far from what is known of them: {', '.join(told)}. Check them, and what the "
+            "document says."
+        ]
+    most = max((away for away, _ in moved), default=0.0)
+    if given is None or found.verdict != "noise" or given.rms <= TOLD * document.error.before.rms:
         return []
-    return [
-        f"The fit moves constants far from what is known of them: {', '.join(told)}. Check them, and what the document "
-        "says."
-    ]
+    told = [text for away, text in moved if 0.0 < 0.5 * most <= away]
+    return [f"That takes {', '.join(told)}, no farther than they may be."] if told else []
 
 
 def _shares(noise: NoiseFigures) -> str:
