@@ -60,14 +60,14 @@ def rivals(search: Search, best: Candidate, sure: Callable[[], Belief]) -> dict[
 
 
 def _payable(search: Search, best: Candidate, state: Candidate) -> bool:
-    """Whether a model that is as likely, whatever its constants, nearly pays for them by BIC too.
+    """Whether a model that is as likely has a constant or two more, and nearly pays for them by BIC too.
 
-    A law of physics that is not quite the part's leaves a little, or needs a constant or two more for that: another may
-    win by luck then. But three more pass for nearly anything, a second name among it.
+    A law of physics that is not quite the part's needs them for what it would leave: another may win by luck then. With
+    as few constants BIC tells by the data alone; three more pass for nearly anything, a second name among it.
     """
     strained = is_strained(search.problem, state.fit) and not is_strained(search.problem, best.fit)
     more = len(state.fit.x) - len(best.fit.x)
-    return more <= 2 and _gap(search, best, state) < 2.0 * MARGIN and not strained
+    return 1 <= more <= 2 and _gap(search, best, state) < 2.0 * MARGIN and not strained
 
 
 def _own_instead(search: Search, best: Candidate, name: str) -> dict[str, Candidate]:

@@ -143,6 +143,7 @@ def test_a_law_of_free_shape_stands_for_a_name_by_what_it_leaves_too(
         (False, 18.0, 0.0, 1, False),
         (False, 12.0, 6.0, 1, False),
         (False, 12.0, 0.0, 3, False),
+        (False, 12.0, 0.0, 0, False),
         (True, 18.0, 6.0, 3, True),
     ],
 )
