@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
+from hyperfab.materials.effects import threads
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
 from hyperfab.materials.effects.threads import Threads, _knots, _piece, nearest_ground
@@ -100,6 +104,44 @@ def test_where_it_begins_does_not_change_an_equilibrium() -> None:
     used.answer({**CONSTANTS, "G_MPa": 0.5}, path.stretch, path.across)
     again, fresh = (one.answer(CONSTANTS, path.stretch, path.across)[0] for one in (used, Threads(path)))
     assert again == pytest.approx(fresh, rel=1e-9, abs=1e-12)
+
+
+def test_effects_that_an_equilibrium_does_not_depend_on_do_not_ask_for_it_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: Counter[str] = Counter()
+
+    def count(name: str) -> None:
+        inner = getattr(threads, name)
+
+        def counted(*of: object, **near: object) -> object:
+            asked[name] += 1
+            return inner(*of, **near)
+
+        monkeypatch.setattr(threads, name, counted)
+
+    count("strip")
+    count("_knots")
+    lam = np.linspace(1.0, 1.3, 12)
+    pull = replace(uniaxial_pull(lam, 30.0), time_s=np.linspace(0.0, 10.0, 12))
+
+    def predicted(fabric: Fabric, stiffness: float, weight: float) -> np.ndarray:
+        terms = {"anisotropy": ("threads", np.array([stiffness, WEFT, 2.0, SHEAR]))}
+        terms["rate"] = ("prony-1", np.array([weight, 5.0]))
+        own = np.array([GROUND])
+        return np.stack([fabric.stress(own, None, terms), fabric.across(terms, own)])
+
+    used = Fabric(law("neo-hookean"), pull)
+    first = predicted(used, WARP, 0.1)
+    other = predicted(used, WARP, 0.2)
+    assert asked["strip"] == 1
+    assert np.max(np.abs(other - first)[0]) > 1e-3
+    stiffer = predicted(used, 1.1 * WARP, 0.2)
+    assert asked["strip"] == 2
+    assert asked["_knots"] == 1
+    # What is kept is not what comes of it: each answer is that of a fabric that was never asked before.
+    for found, of in ((other, (WARP, 0.2)), (stiffer, (1.1 * WARP, 0.2)), (predicted(used, WARP, 0.1), (WARP, 0.1))):
+        assert found == pytest.approx(predicted(Fabric(law("neo-hookean"), pull), *of), rel=1e-9)
 
 
 @pytest.mark.parametrize("model", [("neo-hookean", (0.1,)), ("yeoh-3", (0.1, 0.02, 0.01))])

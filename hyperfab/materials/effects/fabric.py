@@ -22,6 +22,7 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
+from hyperfab.materials.effects.kept import Kept
 from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, State, second_stretch
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.hyperfoam import Hyperfoam, HyperfoamLaw, Rows
@@ -29,7 +30,6 @@ from hyperfab.materials.law import Array, InvariantTerm, Law, Sheet, Term, scale
 
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
-_KEPT = 12
 #: Steps to the largest stretch of a test in which grips find what the specimen bears.
 _STEPS = 200
 #: The effects within the law.
@@ -75,8 +75,9 @@ class Fabric:
     reference_degC: float = 20.0
     speed: Array | None = None
     hang: Flags | None = None
-    _bases: dict[tuple[object, ...], tuple[Array, Array | None]] = field(default_factory=dict)
-    _foams: dict[tuple[object, ...], Array] = field(default_factory=dict)
+    _bases: Kept = field(default_factory=Kept, repr=False)
+    _sheets: Kept = field(default_factory=Kept, repr=False)
+    _foams: Kept = field(default_factory=Kept, repr=False)
     _last: tuple[tuple[object, ...], Array, Array, Array] = field(
         default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
     )
@@ -256,7 +257,10 @@ class Fabric:
             form, values = terms["compressibility"]
             nu = compressibility.FORMS[form].poisson(values)
             constants |= {} if nu is None else {"nu": nu}
-        stress, energy, across = self._threads.answer(constants, *stretches)
+        # Stress and stretch across ask for it, and so does every effect that it does not depend on.
+        stress, energy, across = self._sheets.of(
+            (place, *constants.items()), lambda: self._threads.answer(constants, *stretches)
+        )
         if "elastic-law" in terms:
             nothing = np.array(list(scaled(ground, 0.0).values()))
             more = self._of_law(nothing, terms, stretches, (*place, "added"), True)
@@ -286,11 +290,9 @@ class Fabric:
         linear, shape = elastic_law.FORMS[extra_form].split(list(extra)) if extra_form else ([], [])
         nu = terms.get("compressibility", ("", np.empty(0)))
         key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
-        if key not in self._bases:
-            if len(self._bases) >= _KEPT:
-                self._bases.pop(next(iter(self._bases)))
-            self._bases[key] = self._basis(theta, stretches, extra_form, shape, terms, needs_energy)
-        columns, energies = self._bases[key]
+        columns, energies = self._bases.of(
+            key, lambda: self._basis(theta, stretches, extra_form, shape, terms, needs_energy)
+        )
         weights = np.array([*c, *linear])
         stress = columns @ weights
         return stress, energies @ weights if energies is not None else np.zeros_like(stress)
@@ -302,14 +304,11 @@ class Fabric:
         together."""
         form, values = terms.get("elastic-law", ("", np.empty(0)))
         key = (needs_energy, tuple(constants), form, tuple(values), *(one.tobytes() for one in stretches))
-        if key not in self._foams:
-            if len(self._foams) >= _KEPT:
-                self._foams.pop(next(iter(self._foams)))
-            names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
-            given = dict(zip(names, map(float, (*constants, *values)), strict=True))
-            self._foams[key] = self._answer_of_foam(given, stretches, needs_energy)
-            self._foams[key].setflags(write=False)
-        stress, energy, across = self._foams[key]
+        names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
+        given = dict(zip(names, map(float, (*constants, *values)), strict=True))
+        stress, energy, across = self._foams.of(
+            key, lambda: tuple(self._answer_of_foam(given, stretches, needs_energy))
+        )
         return stress, energy, across
 
     @cached_property

@@ -34,12 +34,60 @@ _NEAR = 0.02
 _LEAST = 1e-4
 
 
+@dataclass(frozen=True)
+class _Places:
+    """Where rows of strips lie among the knots of their cut: at the stretches (n,) of all rows.
+
+    rows       (m,) those of strips
+    piece      (m,) the knot that the piece begins with in which a row lies
+    angle_deg  of the strip of each knot, from the warp
+    knots      stretches of these strips
+    ends       (4, m) what the values at the ends of the piece count for there, and the slopes at its ends
+    along      (m,) how far along the piece a row lies, by the logarithm of the stretch
+    """
+
+    stretch: Array
+    rows: Ints
+    piece: Ints
+    angle_deg: Array
+    knots: Array
+    ends: Array
+    along: Array
+
+    @classmethod
+    def of(cls, stretch: Array, angle_deg: Array, cuts: list[Ints]) -> _Places:
+        """Return the places of the rows of each of the ``cuts``; ``angle_deg`` (n,) and ``stretch`` (n,) of all."""
+        rows, cut = np.concatenate(cuts), np.repeat(np.arange(len(cuts)), list(map(len, cuts)))
+        x = stretch[rows]
+        each = _knots(x, cut)
+        knots, per_cut = each.ravel(), each.shape[1]
+        piece = cut * per_cut + _piece(each[cut], x)
+        begin, end = knots[piece], knots[piece + 1]
+        step = end - begin
+        t = (x - begin) / step
+        rise, bend = t * t * (3.0 - 2.0 * t), t * (1.0 - t) * step
+        ends = np.stack([1.0 - rise, rise, bend * (1.0 - t), -bend * t])
+        along = np.log(x / begin) / np.log(end / begin)
+        return cls(stretch, rows, piece, np.repeat([angle_deg[of[0]] for of in cuts], per_cut), knots, ends, along)
+
+    def between(self, value: Array, slope: Array) -> Array:
+        """Return values at the rows by cubics through values and slopes at the knots."""
+        first, second, rise, fall = self.ends
+        i, j = self.piece, self.piece + 1
+        return np.asarray(first * value[i] + second * value[j] + rise * slope[i] + fall * slope[j])
+
+    def straight(self, value: Array) -> Array:
+        """Return values at the rows, straight between those at the knots in the logarithm of the stretch."""
+        return np.asarray(value[self.piece] + self.along * (value[self.piece + 1] - value[self.piece]))
+
+
 @dataclass
 class Threads:
     """Predicts the rows of ``path``; each equilibrium begins where the last one ended."""
 
     path: Path
     _last: Strip | None = None
+    _met: _Places | None = None
 
     def answer(self, constants: Mapping[str, float], stretch: Array, side: Array) -> tuple[Array, Array, Array]:
         """Return nominal stress [MPa], energy [MPa] and the stretch across of every row at its ``stretch``.
@@ -58,19 +106,14 @@ class Threads:
             stress[square] = np.where(path.of_both_axes[square], 0.5 * (one + other), one)
         if len(cuts) == 0:
             return stress, energy, across
-        rows, cut = np.concatenate(cuts), np.repeat(np.arange(len(cuts)), list(map(len, cuts)))
-        x = stretch[rows]
-        knots = _knots(x, cut)
-        pulled = self._pulled(law, np.repeat([angle[of[0]] for of in cuts], knots.shape[1]), knots.ravel())
-        if pulled is None:
-            return stress, energy, across
-        piece = cut * knots.shape[1] + _piece(knots[cut], x)
-        at, pull = pulled.stretch, pulled.stress
-        stress[rows] = _between(at, pull, pulled.slope, piece, x)
-        energy[rows] = _between(at, pulled.answer.energy, pull, piece, x)
-        far, width = np.log(at), np.log(pulled.width)
-        slope = (width[piece + 1] - width[piece]) / (far[piece + 1] - far[piece])
-        across[rows] = np.exp(slope * (np.log(x) - far[piece]) + width[piece])
+        if self._met is None or not np.array_equal(self._met.stretch, stretch):
+            self._met = _Places.of(stretch, angle, cuts)
+        met = self._met
+        pulled = self._pulled(law, met)
+        if pulled is not None:
+            stress[met.rows] = met.between(pulled.stress, pulled.slope)
+            energy[met.rows] = met.between(pulled.answer.energy, pulled.stress)
+            across[met.rows] = np.exp(met.straight(np.log(pulled.width)))
         return stress, energy, across
 
     @cached_property
@@ -80,14 +123,14 @@ class Threads:
         strips = self.path.mode == UNIAXIAL
         return angle, [np.flatnonzero(strips & (angle == cut)) for cut in np.unique(angle[strips])]
 
-    def _pulled(self, law: Orthotropic, angle_deg: Array, knots: Array) -> Strip | None:
+    def _pulled(self, law: Orthotropic, met: _Places) -> Strip | None:
         last = self._last
-        if last is not None and np.max(np.abs(last.stretch / knots - 1.0)) > _NEAR:
+        if last is not None and np.max(np.abs(last.stretch / met.knots - 1.0)) > _NEAR:
             last = None
         with np.errstate(all="ignore"):
-            found = strip(law, angle_deg, knots, near=last)
+            found = strip(law, met.angle_deg, met.knots, near=last)
             if last is not None and not found.closed.all():
-                found = strip(law, angle_deg, knots)
+                found = strip(law, met.angle_deg, met.knots)
         if not found.closed.all():
             return None
         self._last = found
@@ -125,15 +168,6 @@ def _law(constants: Mapping[str, float]) -> Orthotropic:
     if not given["C2_MPa"]:
         given["C10_MPa"] = max(given["C10_MPa"], _LEAST * (given["k1_warp_MPa"] + given["k1_weft_MPa"]), 1e-12)
     return Orthotropic(given)
-
-
-def _between(at: Array, value: Array, slope: Array, i: Ints, x: Array) -> Array:
-    """Return values at ``x``, each in the piece that begins at knot ``i``, by cubics through values and slopes."""
-    step = at[i + 1] - at[i]
-    t = (x - at[i]) / step
-    rise = t * t * (3.0 - 2.0 * t)
-    bend = t * (1.0 - t) * step
-    return np.asarray(value[i] + rise * (value[i + 1] - value[i]) + bend * ((1.0 - t) * slope[i] - t * slope[i + 1]))
 
 
 def _knots(x: Array, cut: Ints) -> Array:

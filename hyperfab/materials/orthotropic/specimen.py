@@ -6,6 +6,7 @@ A specimen's first axis t lies at an angle from the warp, n across it; C = Ctt t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -43,6 +44,11 @@ class Frame:
             np.stack([-2.0 * c * s, 2.0 * c * s, 2.0 * (c * c - s * s)], axis=-1),
         )
 
+    @cached_property
+    def axes(self) -> Array:
+        """All three, (3, n, 3)."""
+        return np.stack([self.tt, self.nn, self.tn])
+
     def strain(self, along: Array, across: Array, shear: Array) -> Array:
         """Return C11, C22, C12 (n, 3) of Ctt, Cnn, Ctn (n,)."""
         doubled = along[:, None] * self.tt + across[:, None] * self.nn + shear[:, None] * self.tn
@@ -53,10 +59,12 @@ class Frame:
 class Strip:
     """A strip pulled along t, stress-free across: ``stretch`` (n,) along, nominal ``stress`` and its slope [MPa].
 
-    ``width`` is the lateral stretch, ``shear`` the sine of the angle by which t and n leave the right one; ``strain``
-    (n, 3) and ``answer`` are the state in the sheet's axes; ``closed`` says where an equilibrium was found.
+    ``frame`` holds its axes; ``width`` is the lateral stretch, ``shear`` the sine of the angle by which t and n leave
+    the right one; ``strain`` (n, 3) and ``answer`` are the state in the sheet's axes; ``closed`` says where an
+    equilibrium was found.
     """
 
+    frame: Frame
     stretch: Array
     stress: Array
     slope: Array
@@ -71,33 +79,33 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
     """Return the uniaxial test of strips cut at ``angle_deg`` from the warp, pulled to ``stretch`` (n,).
 
     The strip is uniform and free to contract and to shear (coupled shear of an off-axis pull); clamped ends are not
-    followed. ``near`` is an equilibrium at about these stretches to begin from.
+    followed. ``near`` is an equilibrium of strips cut alike, at about these stretches, to begin from.
 
     >>> law = Orthotropic.of({"C10_MPa": 0.5})
     >>> float(strip(law, 30.0, [4.0]).width[0].round(12))
     0.5
     """
     lam = np.atleast_1d(np.asarray(stretch, dtype=np.float64))
-    frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), lam.shape))
-    nu = law.parameters["nu"]
-    y = np.stack([lam ** (-2.0 * nu), np.zeros_like(lam)], axis=1)
     if near is not None:
-        y = np.stack([near.width**2, near.shear * lam * near.width], axis=1)
+        frame, y = near.frame, np.stack([near.width**2, near.shear * lam * near.width], axis=1)
+    else:
+        frame = Frame.at(np.broadcast_to(np.asarray(angle_deg, dtype=np.float64), lam.shape))
+        y = np.stack([lam ** (-2.0 * law.parameters["nu"]), np.zeros_like(lam)], axis=1)
 
     found = Answer(np.zeros(len(lam)), np.zeros((len(lam), 3)), np.zeros((len(lam), 3, 3)))
     C, g = np.empty((len(lam), 3)), np.empty((len(lam), 2))
-    _settle(
-        lam, np.stack([frame.tt, frame.nn, frame.tn]), law.vector, y, C, found.energy, found.stress, found.stiffness, g
-    )
-    along, free = np.einsum("nj,nj->n", frame.tt, found.stress), np.stack([frame.nn, frame.tn], axis=1)
+    _settle(lam, frame.axes, law.vector, y, C, found.energy, found.stress, found.stiffness, g)
+    axes = frame.axes.transpose(1, 0, 2)
+    along = np.einsum("nj,nj->n", frame.tt, found.stress)
     with np.errstate(all="ignore"):
-        H = np.einsum("nij,njk,nlk->nil", free, found.stiffness, free)
-        B = np.einsum("nij,njk,nk->ni", free, found.stiffness, frame.tt)
-        own = np.einsum("nj,njk,nk->n", frame.tt, found.stiffness, frame.tt)
-        reduced = own - np.einsum("ni,ni->n", B, solved(H, B))
+        turned = axes @ found.stiffness @ axes.transpose(0, 2, 1)
+        own, B, H = turned[:, 0, 0], turned[:, 1:, 0], turned[:, 1:, 1:]
+        reduced = own - np.sum(B * solved(H, B), axis=1)
         closed = np.abs(g).max(axis=1) <= _KEPT * (np.abs(along) + 1e-3 * np.abs(own))
         shear = y[:, 1] / (lam * np.sqrt(y[:, 0]))
-    return Strip(lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed))
+    return Strip(
+        frame, lam, lam * along, along + lam**2 * reduced, np.sqrt(y[:, 0]), shear, C, found, np.asarray(closed)
+    )
 
 
 @dataclass(frozen=True)
