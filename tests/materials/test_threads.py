@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.materials.effects import threads
+from hyperfab.materials.effects import compressibility, threads
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
 from hyperfab.materials.effects.threads import Threads, _knots, _piece, nearest_ground
@@ -106,22 +105,22 @@ def test_where_it_begins_does_not_change_an_equilibrium() -> None:
     assert again == pytest.approx(fresh, rel=1e-9, abs=1e-12)
 
 
+def counted(monkeypatch: pytest.MonkeyPatch, module: object, name: str) -> list[str]:
+    """Return a list that grows by one with every call of a function."""
+    inner, calls = getattr(module, name), []
+
+    def of(*given: object, **named: object) -> object:
+        calls.append(name)
+        return inner(*given, **named)
+
+    monkeypatch.setattr(module, name, of)
+    return calls
+
+
 def test_effects_that_an_equilibrium_does_not_depend_on_do_not_ask_for_it_again(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: Counter[str] = Counter()
-
-    def count(name: str) -> None:
-        inner = getattr(threads, name)
-
-        def counted(*of: object, **near: object) -> object:
-            asked[name] += 1
-            return inner(*of, **near)
-
-        monkeypatch.setattr(threads, name, counted)
-
-    count("strip")
-    count("_knots")
+    strips, knots = (counted(monkeypatch, threads, name) for name in ("strip", "_knots"))
     lam = np.linspace(1.0, 1.3, 12)
     pull = replace(uniaxial_pull(lam, 30.0), time_s=np.linspace(0.0, 10.0, 12))
 
@@ -134,14 +133,31 @@ def test_effects_that_an_equilibrium_does_not_depend_on_do_not_ask_for_it_again(
     used = Fabric(law("neo-hookean"), pull)
     first = predicted(used, WARP, 0.1)
     other = predicted(used, WARP, 0.2)
-    assert asked["strip"] == 1
+    assert len(strips) == 1
     assert np.max(np.abs(other - first)[0]) > 1e-3
     stiffer = predicted(used, 1.1 * WARP, 0.2)
-    assert asked["strip"] == 2
-    assert asked["_knots"] == 1
+    assert len(strips) == 2
+    assert len(knots) == 1
     # What is kept is not what comes of it: each answer is that of a fabric that was never asked before.
     for found, of in ((other, (WARP, 0.2)), (stiffer, (1.1 * WARP, 0.2)), (predicted(used, WARP, 0.1), (WARP, 0.1))):
         assert found == pytest.approx(predicted(Fabric(law("neo-hookean"), pull), *of), rel=1e-9)
+
+
+def test_a_width_that_the_law_has_no_say_in_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = counted(monkeypatch, compressibility, "through")
+    pull = uniaxial_pull(np.linspace(1.0, 1.3, 12))
+
+    def widths(fabric: Fabric, modulus: float, narrower: float = 0.0, play: float = 0.0) -> np.ndarray:
+        terms = {"compressibility": ("width-smooth", np.array([0.3, 0.4 + narrower, 0.01, 0.02, 0.03]))}
+        terms["grip-slack"] = ("play", np.array([play]))
+        return fabric.across(terms, np.array([modulus]))
+
+    used = Fabric(law("neo-hookean"), pull)
+    assert np.array_equal(widths(used, 0.1), widths(used, 0.2))
+    assert len(asked) == 1
+    for moved in ({"narrower": 0.05}, {"play": 0.01}):
+        assert np.max(np.abs(widths(used, 0.1, **moved) - widths(used, 0.1))) > 1e-3
+        assert np.array_equal(widths(used, 0.1, **moved), widths(Fabric(law("neo-hookean"), pull), 0.1, **moved))
 
 
 @pytest.mark.parametrize("model", [("neo-hookean", (0.1,)), ("yeoh-3", (0.1, 0.02, 0.01))])

@@ -78,6 +78,7 @@ class Fabric:
     _bases: Kept = field(default_factory=Kept, repr=False)
     _sheets: Kept = field(default_factory=Kept, repr=False)
     _foams: Kept = field(default_factory=Kept, repr=False)
+    _widths: Kept = field(default_factory=Kept, repr=False)
     _last: tuple[tuple[object, ...], Array, Array, Array] = field(
         default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
     )
@@ -122,10 +123,12 @@ class Fabric:
         stretch, side, rest, place = self._stretches(terms, warp, weft)
         stretch = self.path.mirrored(stretch)
 
-        def contracted(stretch: Array) -> Array:
+        def contracted(stretch: Array, where: str) -> Array:
             if "compressibility" in terms:
                 form, values = terms["compressibility"]
-                return compressibility.FORMS[form].across(self.path, stretch, values)
+                across = compressibility.FORMS[form].across
+                [width] = self._widths.of((where, place, form, *values), lambda: (across(self.path, stretch, values),))
+                return np.asarray(width)
             if warp is None or not self.law.compressible:
                 return np.asarray(stretch**-0.5)
             if isinstance(self.law, HyperfoamLaw):
@@ -138,10 +141,10 @@ class Fabric:
             with np.errstate(all="ignore"):
                 found = self._of_threads(warp, terms, (stretch, side), place)[2]
         else:
-            found = contracted(stretch)
+            found = contracted(stretch, "pulled")
         kept, values = terms.get("permanent-set", ("", np.empty(0)))
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
-        return found if power == 0.0 else found * contracted(self.path.mirrored(1.0 + rest)) ** power
+        return found if power == 0.0 else found * contracted(self.path.mirrored(1.0 + rest), "at rest") ** power
 
     def _stretches(
         self, terms: Terms, warp: Array | None, weft: Array | None
