@@ -9,7 +9,7 @@ import pytest
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
-from hyperfab.materials.effects import compressibility, threads
+from hyperfab.materials.effects import compressibility, rate, threads
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
 from hyperfab.materials.effects.threads import Threads, _knots, _piece, nearest_ground
@@ -158,6 +158,25 @@ def test_a_width_that_the_law_has_no_say_in_is_worked_out_once(monkeypatch: pyte
     for moved in ({"narrower": 0.05}, {"play": 0.01}):
         assert np.max(np.abs(widths(used, 0.1, **moved) - widths(used, 0.1))) > 1e-3
         assert np.array_equal(widths(used, 0.1, **moved), widths(Fabric(law("neo-hookean"), pull), 0.1, **moved))
+
+
+def test_a_spring_in_series_is_followed_once_where_law_and_modulus_move(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = counted(monkeypatch, rate, "_in_series")
+    pull = replace(uniaxial_pull(np.linspace(1.0, 1.3, 12)), time_s=np.linspace(0.0, 10.0, 12))
+
+    def stress(fabric: Fabric, ground: float, modulus: float, time_s: float = 4.0, play: float = 0.0) -> np.ndarray:
+        terms = {"rate": ("finite", np.array([modulus, time_s])), "grip-slack": ("play", np.array([play]))}
+        return fabric.stress(np.array([ground]), None, terms)
+
+    used = Fabric(law("neo-hookean"), pull)
+    elastic = used.stress(np.array([0.1]), None, {})
+    once = stress(used, 0.1, 0.2) - elastic
+    assert stress(used, 0.2, 0.4) - 2.0 * elastic == pytest.approx(2.0 * once, rel=1e-12)
+    assert len(asked) == 1
+    for moved in ({"time_s": 3.0}, {"play": 0.01}):
+        found = stress(used, 0.1, 0.2, **moved)
+        assert np.max(np.abs(found - elastic - once)) > 1e-3
+        assert np.array_equal(found, stress(Fabric(law("neo-hookean"), pull), 0.1, 0.2, **moved))
 
 
 @pytest.mark.parametrize("model", [("neo-hookean", (0.1,)), ("yeoh-3", (0.1, 0.02, 0.01))])

@@ -79,6 +79,7 @@ class Fabric:
     _sheets: Kept = field(default_factory=Kept, repr=False)
     _foams: Kept = field(default_factory=Kept, repr=False)
     _widths: Kept = field(default_factory=Kept, repr=False)
+    _there: Kept = field(default_factory=Kept, repr=False)
     _last: tuple[tuple[object, ...], Array, Array, Array] = field(
         default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
     )
@@ -103,7 +104,7 @@ class Fabric:
                 stress = permanent_set.second_network(stress, turned * second, peak, *values)
             elif kept:
                 stress = stress * permanent_set.FORMS[kept].section(rest, values)
-            state = State(path, stretch, energy, self.reference_degC, self.speed)
+            state = State(path, stretch, energy, self.reference_degC, self.speed, kept=self._there)
             for name, forms in _ON_STRESS.items():
                 if name in _OF_THE_MACHINE:
                     stress = turned * stress
@@ -170,7 +171,7 @@ class Fabric:
                 stretch, rest = self._without_set(path, stretch, *kept)
                 if np.any(path.mode == GENERAL):
                     side, _ = self._without_set(path.other_axis, side, *kept)
-            self._last = place, stretch, side, rest
+            self._last, self._there = (place, stretch, side, rest), Kept()
         return *self._last[1:], place
 
     def _yielded(self, terms: Terms, warp: Array | None, weft: Array | None) -> Array:

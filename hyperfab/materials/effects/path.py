@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from hyperfab.arrays import Flags, Ints
+from hyperfab.materials.effects.kept import Kept
 from hyperfab.materials.law import Array
 from hyperfab.numerics.doubt import pace
 from hyperfab.numerics.hygiene import branches
@@ -339,6 +340,7 @@ class State:
     reference_degC  the temperature that the law's constants are of
     rate            (n,) strain rate of each test [1/s], nan where unknown
     quick           how many times as fast the material's own clock runs up to each row: (n,), or 1
+    kept            answers that path and stretch alone decide, beside what they are kept by
     """
 
     path: Path
@@ -347,6 +349,7 @@ class State:
     reference_degC: float
     rate: Array | None
     quick: Array | float = 1.0
+    kept: Kept = field(default_factory=Kept)
 
     @cached_property
     def greatest(self) -> Array:
