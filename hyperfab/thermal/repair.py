@@ -65,13 +65,15 @@ def repaired(vertices: Array, triangles: Ints, name: str) -> Repaired:
     for share in WELDS + GAPS:
         where = everywhere if share in WELDS else rim(vertices, triangles)
         one = welded(vertices, triangles, share * size, where)
-        points, faces, moved = one.vertices, one.faces, one.moved
-        dropped = len(triangles) - len(faces)
-        faces, strayed, split = _stitched(points, faces, max(share * size, WELDS[1] * size))
-        found = soundness(points, faces)
-        if found.closed:
-            notes = _said(share * size, moved, dropped, strayed, split)
-            return _outward(points, faces, max(moved, strayed), notes, found)
+        points, moved = one.vertices, one.moved
+        # A facet between three corners in a line closes the surface, and no mesher takes it: its neighbour is split.
+        tall = _heights(points, one.faces) > WELDS[1] * size
+        for sought in [one.faces] if tall.all() else [one.faces[tall], one.faces]:
+            faces, strayed, split = _stitched(points, sought, max(share * size, WELDS[1] * size))
+            found = soundness(points, faces)
+            if found.closed:
+                notes = _said(share * size, moved, len(triangles) - len(sought), strayed, split)
+                return _outward(points, faces, max(moved, strayed), notes, found)
     raise _refusal(vertices, triangles, soundness(vertices, triangles), name)
 
 
@@ -130,6 +132,13 @@ def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
         return None
     edge = int(through[0])
     return int(owner[edge]), start[edge] + t[edge] * way[edge]
+
+
+def _heights(points: Array, faces: Ints) -> Array:
+    """Return the height (m,) of each facet over its longest side."""
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    longest = np.linalg.norm(np.stack([b - a, c - b, a - c]), axis=2).max(axis=0)
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / np.where(longest > 0.0, longest, 1.0))
 
 
 def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float, int]:

@@ -101,3 +101,15 @@ def test_a_corner_near_the_end_of_a_long_edge_splits_it_too():
         found, strayed, split = _stitched(points, faces, 1e-6)
         assert (split, strayed) == (1, 0.0)
         assert len(found) == 4
+
+
+def test_a_facet_without_height_makes_way_for_its_neighbours_halves():
+    """What cuts an end face along a line of four corners leaves such facets; the surface is closed with them."""
+    points = np.array([[0, 0, 0], [1, 0, 0], [0.5, 1, 0], [0.5, 0, 1], [0.5, 0, 0]], dtype=float)
+    faces = np.array([[0, 2, 1], [1, 2, 3], [2, 0, 3], [0, 1, 4], [4, 1, 3], [4, 3, 0]])
+    assert soundness(points, faces).closed
+    mended = repaired(points, faces, "wedge.stl")
+    sides = points[mended.triangles[:, [1, 2]]] - points[mended.triangles[:, :1]]
+    assert len(mended.triangles) == 6
+    assert np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).min() > 0.1
+    assert soundness(points, mended.triangles).closed
