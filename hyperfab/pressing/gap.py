@@ -127,7 +127,7 @@ def molding_front(male: Mold, female: Mold) -> Front:
         return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))
     # Facets that were cut are unlike around a corner: the normals are those of the facets as drawn, and so is the rim.
     normals = np.zeros_like(part.vertices)
-    np.add.at(normals, faces, male.curving.normals[chosen])
+    np.add.at(normals, faces, male.drawn.corner_normals(male.vertices)[chosen])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     whole = male.drawn.whole(male.vertices)
     looking = whole.normals[:, 2] > LOOKING
