@@ -45,16 +45,13 @@ class Rounded:
 
     @cached_property
     def _sides(self) -> tuple[Ints, Array]:
-        """Return which side (m,) of its sharp edges each facet is on, and which sides (k, k) meet in convex edges."""
+        """Return on which side (m,) of sharp edges each facet is, and which sides (k, k) meet in convex edges alone."""
         turn, twins = self.surface.edge_turn, self.surface.twins
         face, edge = np.nonzero((np.abs(turn) <= SHARP) & (twins >= 0))
         joined = coo_array((np.ones(len(face)), (face, twins[face, edge])), shape=(len(turn), len(turn)))
         count, side = connected_components(joined, directed=False)
         meet = np.zeros((count, count), dtype=bool)
-        for bent, rounded in (
-            (turn > SHARP, True),
-            (turn < -SHARP, False),
-        ):  # sides that meet both ways stay as they are
+        for bent, rounded in ((turn > SHARP, True), (turn < -SHARP, False)):
             face, edge = np.nonzero(bent)
             meet[side[face], side[twins[face, edge]]] = rounded
         np.fill_diagonal(meet, False)

@@ -142,6 +142,16 @@ def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> No
         assert float(re.search(r"turned by (\S+) deg", line)[1]) == pytest.approx(0.4, abs=0.08), line
 
 
+def _found(problem, truth, sd_N, wave_N):
+    """Return what is found in forces of a test that are true but for noise and a wave along the depth."""
+    depth = problem.files[0].depth
+    rows = len(depth)
+    off = sd_N * np.random.default_rng(2).standard_normal(rows) + wave_N * np.sin(depth)
+    problem.measured[:rows] = truth[:rows] + off
+    noise = Noise(np.where(np.arange(len(problem.measured)) < rows, sd_N, 1.0), np.inf, "stated")
+    return close(problem, noise=noise, design=False)
+
+
 @pytest.mark.parametrize(
     ("zero", "wave_N", "told"), [(1.2, 0.0, True), (-0.8, 0.0, True), (0.2, 0.0, False), (0.2, 0.3, False)]
 )
@@ -149,12 +159,7 @@ def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told
     """Not where that is no farther off than is known, nor where it is not all that is missed."""
     problem = contact()
     own = np.array([*(one.value for one in problem.own[:-1]), zero])
-    depth = problem.files[0].depth
-    rows = len(depth)
-    off = 0.01 * np.random.default_rng(2).standard_normal(rows) + wave_N * np.sin(depth)
-    problem.measured[:rows] = problem.predict(own, {})[:rows] + off
-    noise = Noise(np.where(np.arange(len(problem.measured)) < rows, 0.01, 1.0), np.inf, "stated")
-    lines = another_zero(problem, close(problem, noise=noise, design=False))
+    lines = another_zero(problem, _found(problem, problem.predict(own, {}), 0.01, wave_N))
     assert bool(lines) is told
     for line in lines:
         said = re.search(r"depth.zero (-?[\d.]+) mm, though known to 0.1 mm", line)
@@ -169,13 +174,8 @@ def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told
 def test_a_load_cell_off_its_zero_is_told(offset_N: float, stretch: float, wave_N: float, told: bool) -> None:
     """Not of a sheet mounted taut, nor where it is not all that is missed."""
     problem = contact()
-    own = np.array([1.0, 1.0, 0.0])
-    depth = problem.files[0].depth
-    rows = len(depth)
-    off = 0.02 * np.random.default_rng(2).standard_normal(rows) + wave_N * np.sin(depth) + offset_N
-    problem.measured[:rows] = problem.predict(own, {"pretension": ("even", np.array([stretch]))})[:rows] + off
-    noise = Noise(np.where(np.arange(len(problem.measured)) < rows, 0.02, 1.0), np.inf, "stated")
-    lines = untared(problem, close(problem, noise=noise, design=False))
+    taut = problem.predict(np.array([1.0, 1.0, 0.0]), {"pretension": ("even", np.array([stretch]))})
+    lines = untared(problem, _found(problem, taut + offset_N, 0.02, wave_N))
     assert bool(lines) is told
     for line in lines:
         said = re.search(r"load cell ([\d.]+) N too (high|low)", line)
