@@ -127,6 +127,10 @@ class DrapeCase(Case):
         "NAME", "Of the flat sheet: rectangle; disc, clamped all round, with --sheet membrane.",
         ("rectangle", "disc"), "rectangle",
     )  # fmt: skip
+    offset: tuple[float, float] = series(
+        Amount("length", "3mm"), "x", (2,), "LxL", "How far the mold's middle is from the sheet's, along x and y.",
+        "0mmx0mm", example="3mmx-2mm",
+    )  # fmt: skip
     depth: float = amount("length", "LENGTH", "How far the mold is pushed up.", "60mm", least=0.0, over=("depths",))
     states: int | None = whole(
         "N", "Also the sheet at N equal depths up to --depth.", example="6 for six equal depths", least=1,

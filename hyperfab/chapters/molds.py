@@ -26,7 +26,7 @@ _IN_PROPORTION = 8.0
 @dataclass(frozen=True)
 class PlacedMold:
     """A sound surface and where it stands: its own coordinates plus ``shift`` mm, the sheet's plane at z = 0 and its
-    highest point ``depth`` mm above it.
+    highest point ``depth`` mm above it; and ``aside``, how far its middle then is from the sheet's along x and y.
     """
 
     name: str
@@ -34,10 +34,11 @@ class PlacedMold:
     closed: bool
     shift: tuple[float, float, float]
     depth: float
+    aside: tuple[float, float] = (0.0, 0.0)
 
     def standing(self, depth: float) -> tuple[float, float, float]:
         """The shift at which its highest point is ``depth`` mm above the sheet's plane."""
-        return self.shift[0] + 0.0, self.shift[1] + 0.0, self.shift[2] - self.depth + depth
+        return self.shift[0] + self.aside[0], self.shift[1] + self.aside[1], self.shift[2] - self.depth + depth
 
     @property
     def touching(self) -> tuple[float, float, float]:

@@ -28,6 +28,8 @@ _AROUND, _FEW, _FAR, _CLEARLY = 8, 0.05, 8.0, 3.0
 DEPTH_SD = 0.1
 #: What the mold's size is told by: shares added to it across the way it is pushed, and along.
 SIZES = ("mold width", "mold height")
+#: How far the mold's middle is from the sheet's [mm].
+ASIDE = ("aside x", "aside y")
 
 
 @dataclass(frozen=True)
@@ -283,6 +285,7 @@ def drape_problem(
         shear=axes["shear"].up if "shear" in axes else 0.0,
         mass=axes["mass"].up,
         larger=min((axes[way].up for way in SIZES if way in axes), default=0.0),
+        aside=min((min(axes[way].up, axes[way].down) for way in ASIDE if way in axes), default=0.0),
     )
 
     def state(values: Sequence[Array]) -> Array:

@@ -37,7 +37,7 @@ FABRIC: dict[str, Any] = {
 
 
 #: The entries as an emulator scales them that reaches so far.
-DRAPE = drape.entries(drape.DataContext((0.02, 0.05), 0.4, 0.03, 900.0))
+DRAPE = drape.entries(drape.DataContext((0.02, 0.05), 0.4, 0.03, 900.0, 0.0, 7.0))
 CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0, 1.5))
 
 
@@ -69,7 +69,13 @@ def quiet(command: str) -> Job:
     return Job(command, [], Console(True))
 
 
-@pytest.mark.parametrize("given", [[], ["--prestretch", "1.02x1.03", "--mass", "200g/m^2", "--shear-modulus", "20kPa"]])
+@pytest.mark.parametrize(
+    "given",
+    [
+        [],
+        ["--prestretch", "1.02x1.03", "--mass", "200g/m^2", "--shear-modulus", "20kPa", "--offset", "-2mmx1.5mm"],
+    ],
+)
 @pytest.mark.parametrize(
     "settings",
     [

@@ -35,7 +35,8 @@ IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
               "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
     "contact": {"friction", "pretension", "thermal-softening", "rim-slip", "frame-compliance"},
-    "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling", "mold-size"},
+    "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling", "mold-size",
+              "lateral-shift"},
 }  # fmt: skip
 
 

@@ -164,6 +164,25 @@ def test_corners_that_differ_by_rounding_are_no_holes(drape):
     assert "an open edge (a hole)" in err
 
 
+def test_a_mold_off_the_middle_is_the_one_of_a_larger_box(drape) -> None:
+    """A plate below the sheet, which nothing touches, moves the middle of the box of both, and nothing else."""
+    vertices, faces = cup()
+    plate = height_block(lambda u, v: 4.0 + 0.0 * u, (68.0, 55.0), (4, 4), 0.0)
+    Path("plate.stl").write_bytes(stl_bytes(plate.vertices + np.array([8.0, -5.0, 0.0]), plate.faces))
+    _, out, _ = drape((vertices, faces), "--mold", "plate.stl")
+    boxed = json.loads(out)
+    _, out, _ = drape((vertices, faces), "--offset", "-8mmx5mm")
+    off = json.loads(out)
+    _, out, _ = drape((vertices, faces))
+    middle = json.loads(out)
+    assert off["setup"]["offset_mm"] == [-8.0, 5.0]
+    shift = np.array([one["mold"]["shift_mm"] for one in (middle, off)])
+    assert shift[1] - shift[0] == pytest.approx([-8.0, 5.0, 0.0], abs=1e-9)
+    for key in ("force_N", "energy_J", "stretch_max", "stress_weft_max_MPa"):
+        assert off[key] == pytest.approx(boxed[key], rel=1e-6), key
+        assert off[key] != pytest.approx(middle[key], rel=1e-4), key
+
+
 def test_a_depth_beyond_the_molds_height_is_noted(drape):
     _, _, err = drape(cup(), "--depth", "55mm")
     assert "5 mm above the sheet's plane" in err

@@ -82,3 +82,13 @@ def test_a_mold_of_another_size_is_found(monkeypatch: pytest.MonkeyPatch, larger
     [(form, values)] = found.after.fit.terms.values()
     # Near its top a ball is as flat where it is wider by half as much.
     assert values == pytest.approx([larger * {"all ways": 1.0, "across": 0.5}[form]], abs=0.006)
+
+
+def test_a_mold_off_the_middle_of_the_sheet_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    blind_drape.model()  # of the document, whose mold is in the middle
+    monkeypatch.setattr(nets, "ASIDE", (3.0, -1.5))
+    found = seen((1.0, 1.0), 0.05, 0)
+    assert (found.verdict, found.after.ids) == ("effect", ("lateral-shift",))
+    [(form, values)] = found.after.fit.terms.values()
+    assert form == "displacement"
+    assert values == pytest.approx([3.0, -1.5], abs=0.15)

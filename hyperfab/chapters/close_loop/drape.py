@@ -33,6 +33,7 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.loop.drape import (
+    ASIDE,
     SIZES,
     Draped,
     DrapeProblem,
@@ -61,6 +62,8 @@ _MOST_STRETCH, _MOST_FRICTION, _SLACK = 0.12, 0.6, 0.95
 _STIFFER, _LEAST = 0.35, 0.95
 #: How much larger or smaller a mold may be than it is drawn.
 _LARGER = 0.06
+#: How far off the sheet's middle a mold may stand, as a share of the sheet's shorter side.
+_SIDEWAYS = 0.04
 #: Weight of the sheet over what a unit strain of it pulls with, at the most; and the masses that has to lie between.
 _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
@@ -314,6 +317,8 @@ def pose_sheet(forward: Forward, tick: Callable[[float], None]) -> Draped:
     if sheet.membrane is None:  # a membrane's law has its own shear
         axes.append(Setting("shear", 0.0, 0.4 * modulus))
     axes += [Setting(way, 0.0, _LARGER, _LARGER, mixes=False) for way in SIZES]
+    aside = _SIDEWAYS * min(sheet.size)
+    axes += [Setting(way, 0.0, aside, aside, mixes=False) for way in ASIDE]
     axes.append(Setting("mass", 0.0, float(np.clip(heavy, *_MASSES))))
     model = forward.model(plain, {})
     rest = forward.rest(model)

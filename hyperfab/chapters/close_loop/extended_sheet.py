@@ -40,6 +40,8 @@ DRAPED = {
     "friction": ("friction",),
     "shear": ("shear_modulus_MPa",),
     "mass": ("mass_g_m2",),
+    "aside x": ("offset_mm.0",),
+    "aside y": ("offset_mm.1",),
 }
 
 

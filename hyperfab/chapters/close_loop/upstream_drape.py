@@ -21,12 +21,12 @@ from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.drape import DEPTH_SD, SIZES, DrapeProblem, Markers, at_markers
+from hyperfab.loop.drape import ASIDE, DEPTH_SD, SIZES, DrapeProblem, Markers, at_markers
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.upstream import Readings
 
-#: What the friction and the mold's size (a share of it) are off by, where nothing is stated.
-_FRICTION, _LARGER = 0.1, 0.01
+#: What the friction, the mold's size (a share of it) and its place [mm] are off by, where nothing is stated.
+_FRICTION, _LARGER, _ASIDE = 0.1, 0.01, 1.0
 #: Chapters whose numbers err together in part: constants of one fabric, the ways of one mold.
 _ALIKE = ("fabric", "mold")
 
@@ -68,6 +68,7 @@ class DrapeChain:
                 Moved("depth", DEPTH_SD),
                 Moved("prestretch", STRETCH_SD),
                 Moved("weft more", STRETCH_SD),
+                *(Moved(way, _ASIDE) for way in ASIDE if way in draped.axes),
             ],
             "friction": [Moved("friction", _FRICTION)] if draped.friction else [],
             "mold": [Moved(way, _LARGER) for way in SIZES if way in draped.axes],

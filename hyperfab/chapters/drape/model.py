@@ -5,7 +5,7 @@ states at the depths asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -150,7 +150,8 @@ def question(job: Job, case: DrapeCase, placed: PlacedMold) -> None:
 
 def model_of(case: DrapeCase, files: Files) -> Model:
     """Return the sheet and the mold that a case describes, with what its files hold."""
-    return Model(case, files, sheet_of(case, files), mold_of(files.placed.surface, files.placed.touching))
+    placed = replace(files.placed, aside=case.offset)
+    return Model(case, replace(files, placed=placed), sheet_of(case, files), mold_of(placed.surface, placed.touching))
 
 
 def sheet_of(case: DrapeCase, files: Files) -> Sheet:

@@ -10,13 +10,14 @@ from hyperfab.loop.problem import Constant, Effect, Form
 @dataclass(frozen=True)
 class DataContext:
     """How far the effects may go: added prestretch (down, up), coefficient of friction, shear modulus [MPa], mass per
-    area [g/m^2], the mold's size (a share of it)."""
+    area [g/m^2], the mold's size (a share of it), its middle from the sheet's [mm]."""
 
     prestretch: tuple[float, float]
     friction: float
     shear: float
     mass: float
     larger: float = 0.0
+    aside: float = 0.0
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -28,6 +29,7 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
         shear_stiffness(context),
         biaxial_coupling(context),
         mold_size(context),
+        lateral_shift(context),
     )
 
 
@@ -126,4 +128,21 @@ def mold_size(context: DataContext) -> Effect:
         ),
         not_sought="" if most else "the sheet finds no rest on a mold of another size",
         of_document=True,
+    )
+
+
+def lateral_shift(context: DataContext) -> Effect:
+    """A mold off the middle of the sheet, ``--offset``: added to where the model has it."""
+    most = context.aside
+    x, y = (Constant(f"offset_{axis}_mm", 0.0, -most, most, 0.02 * most, places=(f"aside {axis}",)) for axis in "xy")
+    some, little = 0.2 * most, 0.03 * most
+    form = Form("displacement", (x, y), ((some, 0.0), (0.0, some)), ((little, 0.0), (0.0, little)))
+    return Effect(
+        id="lateral-shift",
+        added=True,
+        title="the mold stands off the middle of the sheet",
+        shown_by="the distances from the mold to the clamps, by a calliper, before it is pushed up",
+        source="geometry",
+        forms=(form,) if most else (),
+        not_sought="" if most else "the sheet finds no rest on a mold off its middle",
     )

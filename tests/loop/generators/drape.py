@@ -21,6 +21,8 @@ IDS = ("friction", "shear-stiffness", "pretension", "gravity", "mold-size")
 #: What no entry of the catalogue says: a camera out of square, a sheet creased across, a net read in the wrong scale.
 OUTSIDE = ("skewed-camera", "crease", "lens")
 SIDE, BALL, DEPTH, NODES, THICK = 200.0, 60.0, 50.0, 21, 1.0
+#: Where the ball's middle is, along warp and weft.
+ASIDE = (0.0, 0.0)
 WARP, WEFT, POWER, HELD = 0.30, 0.20, 0.5, 2.0
 
 
@@ -93,7 +95,7 @@ class Net:
 
     def rest_at(self, depth: float, start: Array, anchors: Array | None) -> tuple[Array, Array]:
         """Return the nodes at equilibrium with the ball's top at ``depth``, and the pressure on each [N]."""
-        x, centre = start.copy(), np.array([0.0, 0.0, depth - self.ball])
+        x, centre = start.copy(), np.array([*ASIDE, depth - self.ball])
         hard, held = 60.0, HELD
         dofs = (3 * self.free[:, None] + np.arange(3)).ravel()
         for step in range(200):
@@ -177,7 +179,7 @@ class Net:
         for depth in steps:
             x, pressure = self.rest_at(float(depth), x, anchors if self.mu else None)
             if self.mu:
-                centre = np.array([0.0, 0.0, depth - self.ball])
+                centre = np.array([*ASIDE, depth - self.ball])
                 touching = pressure > 0.0
                 new = touching & ~np.isfinite(anchors[:, 0])
                 anchors[new] = x[new] - centre
