@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.interpolate import CubicSpline
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.catalogue.contact import DataContext, entries
 from hyperfab.loop.emulator import Emulator
-from hyperfab.loop.known import FilesProblem
+from hyperfab.loop.known import SURE, FilesProblem
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_curve
 from hyperfab.loop.slack import Slack
@@ -22,9 +23,9 @@ from hyperfab.materials.effects.thermal_softening import factor
 ZERO_SD = 0.1
 #: Readings of a file that are left out together, about.
 _SEGMENT = 15
-#: What effects add to, in the order of the emulator's last settings, the pull up to which the clamp holds, and what the
-#: machine yields by.
-ADDED = ("prestretch", "friction", "slip", "hold", "frame")
+#: What effects add to, in the order of the emulator's last settings, the pull up to which the clamp holds, what the
+#: machine yields by, and the sphere's radius, which the emulator has before those.
+ADDED = ("prestretch", "friction", "slip", "hold", "frame", "sphere")
 #: Rounds in which the slip past a hold and the pull settle on each other; stiffnesses a changing one is taken at.
 _ROUNDS, _STIFFNESSES = 8, 3
 #: Newton's steps to where the punch is, as moves of it [mm]: how small the last one is, and their number at most.
@@ -92,10 +93,19 @@ class Sheet:
         axes = () if self.slacker is None else self.slacker.axes
         return sum(-axis.up for axis in axes if axis.name == "prestretch")
 
+    @cached_property
+    def of_any_sphere(self) -> bool:
+        """Whether it stands for spheres of other radii too."""
+        return any(axis.name == "sphere" for axis in self.emulator.axes)
+
+    def slack_of(self, larger: float) -> Slack | None:
+        """Return what tells a slack sheet over a sphere that is so much larger [mm]."""
+        return None if self.slack is None else self.slack.over(larger)
+
     def force(self, own: Array, effects: Array, depth: Array, soft: Array | None = None) -> Array:
         """Return the force (m,) [N] at ``depth`` (m,), as the machine reads it, for factors ``own`` (p,) and effects
-        (5,): added prestretch, friction and slip, the pull [N/mm] up to which the clamp holds, and what the machine
-        yields by [mm/N]. ``soft`` (m,) scales the stiffness."""
+        (6,): added prestretch, friction and slip, the pull [N/mm] up to which the clamp holds, what the machine yields
+        by [mm/N], and what the sphere's radius is more [mm]. ``soft`` (m,) scales the stiffness."""
         read = np.clip(depth, 0.0, None)
         resist = self.resistance(own, effects, np.ones(len(read)) if soft is None else soft)
         frame = self.frame + effects[4]
@@ -121,12 +131,12 @@ class Sheet:
         if between:
             levels = np.linspace(levels[0], levels[-1], _STIFFNESSES)
         splines = [self._spline(own, effects, float(level)) for level in levels]
-        added = float(effects[0])
+        added, slack = float(effects[0]), self.slack_of(float(effects[5]))
 
         def force(depth: Array) -> Array:
             at = depth
-            if self.slack is not None and added < 0.0:
-                at, depth = self.slack.knots(depth, added), self.slack.taut(depth, added)
+            if slack is not None and added < 0.0:
+                at, depth = slack.knots(depth, added), slack.taut(depth, added)
             at = np.maximum(at, self.knots[0] * 0.2)
             found = np.stack([level * spline(at) for level, spline in zip(levels, splines, strict=True)])
             if len(levels) == 1:
@@ -170,9 +180,14 @@ class Sheet:
 
     def _at(self, own: Array, effects: Array, slips: Array) -> Array:
         """Return what the emulator says, a row for each of ``slips``."""
-        settings = np.tile([*self.ratios(own), effects[0], effects[1], 0.0], (len(slips), 1))
+        settings = np.tile(self._settings(own, effects, 0.0), (len(slips), 1))
         settings[:, -1] = slips
         return self._emulated(effects)(settings)
+
+    def _settings(self, own: Array, effects: Array, slip: float) -> list[float]:
+        """Return the emulator's settings (d,), the slip last."""
+        sphere = [effects[5]] if self.of_any_sphere else []
+        return [*self.ratios(own), *sphere, effects[0], effects[1], slip]
 
     def _emulated(self, effects: Array) -> Emulator:
         return self.slacker if self.slacker is not None and effects[0] < 0.0 else self.emulator
@@ -185,8 +200,7 @@ class Sheet:
         """Return force over depth (k,) [N/mm] at the knots."""
         slips, count, emulator = self.slips(own, effects, soft), len(self.knots), self._emulated(effects)
         if np.all(slips == slips[0]):
-            settings = np.array([*self.ratios(own), effects[0], effects[1], slips[0]])
-            found = emulator(settings)[:count]
+            found = emulator(np.array(self._settings(own, effects, slips[0])))[:count]
         else:
             found = np.diagonal(self._at(own, effects, slips)[:, :count])
         return np.asarray(found * self.correction * self.scale(own))
@@ -210,7 +224,7 @@ class ContactProblem(FilesProblem[ForceDepth]):
     reference_degC: float = field(kw_only=True)
 
     def added(self, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        """Return the effects (5,) as ``Sheet.force`` takes them."""
+        """Return the effects (6,) as ``Sheet.force`` takes them."""
         amounts = self.amounts(terms)
         return np.array([amounts.get(name, 0.0) for name in ADDED])
 
@@ -294,6 +308,11 @@ def contact_problem(
     axes = {axis.name: axis for axis in sheet.emulator.axes}
     model = np.array([axis.base for axis in sheet.emulator.axes])
     at_rest = sheet.emulator(model)
+    deepest = len(sheet.knots) - 1
+    reach = axes["sphere"].up if sheet.of_any_sphere else 0.0
+    # A sphere of another radius is nearly a factor on the force, as the law's constants are.
+    sphere = sheet.emulator(np.where([name == "sphere" for name in axes], reach, model))
+    off = abs(float(sphere[deepest] / at_rest[deepest]) - 1.0)
     context = DataContext(
         temperatures=tuple(float(v) for v in temperatures),
         reference_degC=reference_degC,
@@ -301,7 +320,9 @@ def contact_problem(
         friction=axes["friction"].up if sheet.friction else 0.0,
         slip=axes["slip"].up,
         pull=float(at_rest[-1]),
-        yields=1.0 / max(float(at_rest[len(sheet.knots) - 1]), 1e-12),
+        yields=1.0 / max(float(at_rest[deepest]), 1e-12),
+        larger=reach,
+        taken_up=off <= SURE * prior and not {*fixed} & {*sheet.names},
     )
     depth, force = (np.concatenate(rows) for rows in zip(*((one.depth, one.force) for one in files), strict=True))
     states = {"depth_mm": depth, "force_N": force}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,6 +36,10 @@ class Slack:
         depth = np.linspace(0.0, _BEYOND * self.deepest, _GRID)
         ball = Sphere(self.radius)
         return depth**2, np.array([ball.way(self.reach, float(one)) for one in depth])
+
+    def over(self, larger: float) -> Slack:
+        """Return the same of a ball so much larger [mm]."""
+        return replace(self, radius=self.radius + larger) if larger else self
 
     @property
     def most(self) -> float:

@@ -38,7 +38,7 @@ FABRIC: dict[str, Any] = {
 
 #: The entries as an emulator scales them that reaches so far.
 DRAPE = drape.entries(drape.DataContext((0.02, 0.05), 0.4, 0.03, 900.0, 0.0, 7.0))
-CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0, 1.5))
+CONTACT = contact.entries(contact.DataContext((20.0, 40.0, 60.0), 20.0, (0.0, 0.05), 0.4, 1.0, 1.0, 1.5, 6.0))
 
 
 def settings_of(effects: tuple[Effect, ...]) -> list[dict[str, float]]:

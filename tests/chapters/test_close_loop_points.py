@@ -34,7 +34,7 @@ from hyperfab.loop.press_reading import Reading
 IDS = {
     "press": {"tilt", "thermal-expansion", "foam-shrinkage", "foam-relaxation", "thickness-variation",
               "frame-compliance", "lateral-shift", "fabric-compression", "foam-softening", "set"},
-    "contact": {"friction", "pretension", "thermal-softening", "rim-slip", "frame-compliance"},
+    "contact": {"friction", "pretension", "thermal-softening", "rim-slip", "frame-compliance", "sphere-size"},
     "drape": {"friction", "shear-stiffness", "pretension", "gravity", "biaxial-coupling", "mold-size",
               "lateral-shift"},
 }  # fmt: skip

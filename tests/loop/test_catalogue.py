@@ -76,7 +76,7 @@ CONTEXTS = {
         emits=True,
         typical_film=15.0,
     ),
-    "contact": contact.DataContext((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0, 1.5),
+    "contact": contact.DataContext((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0, 1.5, 6.0),
     "drape": drape.DataContext((0.05, 0.2), 0.5, 0.1, 300.0, 0.06, 8.0),
     "press": press.DataContext(60.0, 500.0, 5.0, True, True, 600.0, True, True),
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -24,20 +24,24 @@ from hyperfab.loop.engine import close
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
+from hyperfab.loop.slack import Slack
+from hyperfab.membrane.punch import Sphere
 
 KNOTS = np.linspace(5.0, 60.0, 12)
 
 
 def spring(settings: np.ndarray) -> np.ndarray:
     """Force over depth and the rim's pull of a sheet that is a spring in series with its clamp."""
-    ratio, stretch, coefficient, slip = settings
+    ratio, sphere, stretch, coefficient, slip = settings
     pull = 2e-3 * KNOTS * (1.0 + ratio) / (1.0 + 0.02 * slip) + 3.0 * stretch
+    pull = pull * (1.0 + 0.06 * sphere * (KNOTS / 60.0) ** 2)
     return np.concatenate([pull * (1.0 + 0.1 * coefficient), pull])
 
 
-def contact(slip: float = 0.0) -> ContactProblem:
+def contact(slip: float = 0.0, fixed: Sequence[str] = (), prior: float = 0.1) -> ContactProblem:
     axes = [
         Axis("C01", 1.0, 0.35, 0.35, level=1, mixes=False),
+        Axis("sphere", 0.0, 6.0, 6.0, level=1, mixes=False),
         Axis("prestretch", 0.0, 0.1),
         Axis("friction", 0.0, 0.8),
         Axis("slip", 0.0, 20.0),
@@ -46,7 +50,8 @@ def contact(slip: float = 0.0) -> ContactProblem:
     sheet = Sheet(emulate(spring, axes), KNOTS, ones, ("C10", "C01"), (True, True), ones, slip=slip)
     depth = np.linspace(6.0, 58.0, 45)
     warm = np.repeat([23.0, 50.0, 80.0], 15)
-    return contact_problem(sheet, [ForceDepth("f", depth, depth, warm)], reference_degC=23.0)
+    files = [ForceDepth("f", depth, depth, warm)]
+    return contact_problem(sheet, files, reference_degC=23.0, prior=prior, fixed=fixed)
 
 
 def drape() -> DrapeProblem:
@@ -183,11 +188,42 @@ def test_a_load_cell_off_its_zero_is_told(offset_N: float, stretch: float, wave_
         assert float(said[1]) * (1.0 if said[2] == "high" else -1.0) == pytest.approx(offset_N, abs=0.03)
 
 
+@pytest.mark.parametrize(
+    ("prior", "fixed", "sought"),
+    [(0.1, [], True), (0.13, [], False), (0.13, ["C01"], True), (0.13, ["depth.zero"], False)],
+)
+def test_another_sphere_is_sought_where_constants_do_not_take_it_up(
+    prior: float, fixed: list[str], sought: bool
+) -> None:
+    """Of a sphere 6 mm larger this sheet pushes back 36 % more."""
+    effect = contact(fixed=fixed, prior=prior).effect("sphere-size")
+    assert (bool(effect.forms), not effect.not_sought) == (sought, sought)
+
+
+def test_a_sphere_of_another_radius_is_told_with_the_constants_that_could_be_off() -> None:
+    problem = contact(prior=0.02)
+    truth = problem.predict(np.array([1.0, 1.0, 0.0]), {"sphere-size": ("radius", np.array([-3.0]))})
+    found = _found(problem, truth, 0.02, 0.0)
+    assert found.after.ids == ("sphere-size",)
+    assert found.after.fit.terms["sphere-size"][1] == pytest.approx([-3.0], abs=0.3)
+
+
+def test_a_slack_sheet_over_another_sphere_bears_where_the_way_over_that_is_as_long_as_it() -> None:
+    slack = Slack(40.0, 100.0, 60.0)
+    problem = contact()
+    sheet = replace(problem.sheet, slack=slack)
+    depth = np.linspace(1.0, 50.0, 491)
+    for larger in (0.0, 5.0):
+        force = sheet.force(np.ones(2), np.array([-0.04, 0.0, 0.0, 0.0, 0.0, larger]), depth)
+        ways = np.array([Sphere(40.0 + larger).way(100.0, float(one)) for one in depth])
+        assert np.array_equal(force != 0.0, 0.96 * ways > 100.0)
+
+
 def test_a_stiffer_sheet_slips_as_one_on_a_softer_clamp() -> None:
     problem = contact()
     depth = np.array([30.0])
-    stiff = problem.sheet.force(np.array([2.0, 2.0]), np.array([0.0, 0.0, 3.0, 0.0, 0.0]), depth)
-    soft = problem.sheet.force(np.array([1.0, 1.0]), np.array([0.0, 0.0, 6.0, 0.0, 0.0]), depth)
+    stiff = problem.sheet.force(np.array([2.0, 2.0]), np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0]), depth)
+    soft = problem.sheet.force(np.array([1.0, 1.0]), np.array([0.0, 0.0, 6.0, 0.0, 0.0, 0.0]), depth)
     assert stiff == pytest.approx(2.0 * soft, rel=1e-12)
 
 
@@ -196,7 +232,7 @@ def test_a_clamp_slips_by_what_it_does_not_hold() -> None:
     problem, c, hold = contact(), 10.0, 0.08
     k = 2.0 * 2e-3 * KNOTS
     pull = np.where(k > hold, (k + 0.02 * c * hold) / (1.0 + 0.02 * c), k)
-    found = problem.sheet.force(np.ones(2), np.array([0.0, 0.0, c, hold, 0.0]), KNOTS) / KNOTS
+    found = problem.sheet.force(np.ones(2), np.array([0.0, 0.0, c, hold, 0.0, 0.0]), KNOTS) / KNOTS
     assert found == pytest.approx(pull, rel=2e-3)
 
 
@@ -204,9 +240,9 @@ def test_a_machine_that_yields_reads_the_depth_of_the_punch_and_its_own() -> Non
     """The model's own compliance and an added one, with a clamp that gives and softening at three temperatures."""
     problem, soft = contact(slip=4.0), np.repeat([1.0, 0.9, 0.7], 4)
     punch = np.tile(np.linspace(8.0, 50.0, 4), 3)
-    force = problem.sheet.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 0.0]), punch, soft)
+    force = problem.sheet.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 0.0, 0.0]), punch, soft)
     yielding = replace(problem.sheet, frame=0.5)
-    found = yielding.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 1.5]), punch + 2.0 * force, soft)
+    found = yielding.force(np.ones(2), np.array([0.01, 0.1, 3.0, 0.0, 1.5, 0.0]), punch + 2.0 * force, soft)
     assert found == pytest.approx(force, rel=1e-9)
 
 
@@ -222,7 +258,7 @@ def test_an_oiled_punch_does_not_rub() -> None:
 
 def test_temperatures_row_by_row_are_those_of_files_of_their_own() -> None:
     problem = contact()
-    effects, depth = np.array([0.0, 0.0, 8.0, 0.0, 0.0]), np.linspace(10.0, 50.0, 9)
+    effects, depth = np.array([0.0, 0.0, 8.0, 0.0, 0.0, 0.0]), np.linspace(10.0, 50.0, 9)
     soft = np.linspace(1.0, 0.7, 9)
     mixed = problem.sheet.force(np.ones(2), effects, depth, soft)
     alone = [float(problem.sheet.force(np.ones(2), effects, depth[i : i + 1], soft[i : i + 1])[0]) for i in range(9)]

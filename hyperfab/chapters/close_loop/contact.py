@@ -45,6 +45,8 @@ from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 _KNOTS, _MESH, _ORDER = 12, 0.16, 1
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.10, 0.8
+#: How much larger or smaller a sphere may be than is stated, and how near to the clamp: shares of it.
+_LARGER, _CLEAR = 0.15, 0.94
 _ROOM_TEMPERATURE = 23.0
 
 
@@ -130,6 +132,9 @@ def pose_sheet(
     sticks = isinstance(test.friction, Stick)
     # Down to none: a test may tell that its punch was oiled.
     coefficient = test.friction.coefficient if isinstance(test.friction, Coulomb) else 0.0
+    larger = _larger(test)
+    if larger:
+        axes.append(Setting("sphere", 0.0, larger, larger, level=1, mixes=False))
     axes += [
         Setting("prestretch", 0.0, _MOST_STRETCH, down),
         Setting("friction", 0.0, _MOST_FRICTION, coefficient, level=0 if sticks else 2, mixes=not sticks),
@@ -143,7 +148,8 @@ def pose_sheet(
         key = tuple(float(v) for v in settings)
         if key not in runs:
             ratios = dict(zip((axis.name for axis in axes), key, strict=True))
-            runs[key] = np.concatenate(forward.path(forward.test(ratios), knots, slack, ratios["prestretch"]))
+            here = None if slack is None else slack.over(ratios.get("sphere", 0.0))
+            runs[key] = np.concatenate(forward.path(forward.test(ratios), knots, here, ratios["prestretch"]))
         return runs[key]
 
     emulator = _emulated(one, axes, lambda share: tick(0.75 * share if slack else share))
@@ -158,6 +164,13 @@ def pose_sheet(
         friction=not sticks, coefficient=coefficient, slip=test.rim_slip, frame=test.frame,
         slack=slack, slacker=slacker,
     )  # fmt: skip
+
+
+def _larger(test: SphereTest) -> float:
+    """Return by how much the radius of the sphere may be off [mm]: 0 of a punch, and of one that nearly fills the
+    clamp."""
+    free = _CLEAR * test.prestretch * test.outline.reach - test.radius
+    return 0.0 if test.facets is not None or free < 0.02 * test.radius else min(_LARGER * test.radius, free)
 
 
 def _hangs_by_none(test: SphereTest) -> bool:
@@ -225,9 +238,10 @@ class Forward:
         settings = {key: float(v) / scale if one else float(v)
                     for key, v, one in zip(sheet.names, own, sheet.linear, strict=True)}  # fmt: skip
         slip = float(sheet.slips(own, effects, 1.0)[0])
-        settings |= {"prestretch": effects[0], "friction": effects[1], "slip": slip}
+        settings |= {"prestretch": effects[0], "friction": effects[1], "slip": slip, "sphere": effects[5]}
+        slack = sheet.slack_of(float(effects[5]))
         try:
-            true = self.path(self.test(settings), sheet.knots, sheet.slack, float(effects[0]))[0] * scale
+            true = self.path(self.test(settings), sheet.knots, slack, float(effects[0]))[0] * scale
         except NoEquilibriumError:
             return None
         plain = replace(sheet, correction=np.ones_like(sheet.correction))
@@ -235,7 +249,7 @@ class Forward:
         read = problem.states["depth_mm"]
         force = sheet.force(own, effects, read)
         depth = read - (sheet.frame + effects[4]) * force
-        depth = depth if sheet.slack is None else sheet.slack.knots(depth, float(effects[0]))
+        depth = depth if slack is None else slack.knots(depth, float(effects[0]))
         off = force * (np.interp(depth, sheet.knots, ratio / sheet.anchor) - 1.0)
         if float(np.sqrt(np.mean((off / found.noise.sd[: len(off)]) ** 2))) < 0.2:
             return None

@@ -15,6 +15,7 @@ from hyperfab.cases.place import applied
 from hyperfab.chapters.close_loop.finalise import Extension
 from hyperfab.chapters.close_loop.softening import scaled_material, soften
 from hyperfab.chapters.close_loop.sure import mark
+from hyperfab.chapters.fabric_contact.setup import SPHERE
 from hyperfab.chapters.molds import PlacedMold
 from hyperfab.cloth import Sheet
 from hyperfab.cloth.law import SpringLaw
@@ -33,7 +34,12 @@ THREADS = (".model.warp.csv", ".model.weft.csv")
 #: Where a mold of another size is written.
 SIZED = ".model.sized.stl"
 #: Where in the set-up of a test, and of a drape, the emulator's settings are added.
-PRESSED = {"prestretch": ("prestretch",), "friction": ("friction_coefficient",), "slip": ("rim_slip_mm2_N",)}
+PRESSED = {
+    "prestretch": ("prestretch",),
+    "friction": ("friction_coefficient",),
+    "slip": ("rim_slip_mm2_N",),
+    "sphere": ("sphere_radius_mm",),
+}
 DRAPED = {
     "prestretch": ("prestretch.0", "prestretch.1"),
     "weft more": ("prestretch.1",),
@@ -52,6 +58,8 @@ def contact_applied(case: ContactCase, amounts: Mapping[str, float]) -> ContactC
     elif amounts.get("friction", 0.0) < 0.0:
         # Down to none, less what rounding leaves.
         amounts = {**amounts, "friction": max(amounts["friction"], -float(case.friction))}
+    if amounts.get("sphere", 0.0):
+        case = replace(case, sphere_radius=case.sphere_radius or SPHERE)
     if amounts.get("frame", 0.0):
         case = replace(case, frame_stiffness=1.0 / (case.yields + amounts["frame"]))
     return applied(case, amounts, PRESSED)

@@ -20,7 +20,7 @@ from hyperfab.membrane.sphere_contact import SphereTest
 
 _ORDERS = {"P1": 1, "P2": 2}
 #: The sheet and the sphere [mm] where their options are not given.
-_SIZE, _SPHERE = 200.0, 40.0
+_SIZE, SPHERE = 200.0, 40.0
 #: Elements away from the contact, relative to half the size, where --mesh-size is not given.
 _MESH = 0.08
 
@@ -118,7 +118,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
     outline, width, narrow = geometry.outline, geometry.width, geometry.narrow
     thickness = case.thickness or fabric.thickness or 1.0
     if case.punch is None or geometry.facets is None:
-        radius = case.sphere_radius or _SPHERE
+        radius = case.sphere_radius or SPHERE
         _within(radius, 5e-3 * width, 20.0 * width, f"--sphere-radius {radius:g}mm")
         check_sphere(outline.reach * case.prestretch, radius, case.depth)
     else:

@@ -13,7 +13,9 @@ from hyperfab.loop.problem import Constant, Effect, Form
 @dataclass(frozen=True)
 class DataContext:
     """The temperatures met [degC], how far prestretch (down, up), friction and slip
-    [mm per N/mm] may go, and the pull of the rim [N/mm] and what the sheet ``yields`` by [mm/N] at the deepest."""
+    [mm per N/mm] may go, the pull of the rim [N/mm] and what the sheet ``yields`` by [mm/N] at the deepest, and how
+    much ``larger`` or smaller [mm] the sphere's radius may be; whether constants of the law, as they are known, have
+    ``taken_up`` what that does."""
 
     temperatures: tuple[float, ...]
     reference_degC: float
@@ -22,6 +24,8 @@ class DataContext:
     slip: float
     pull: float
     yields: float
+    larger: float = 0.0
+    taken_up: bool = False
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -32,6 +36,7 @@ def entries(context: DataContext) -> tuple[Effect, ...]:
         pretension(context),
         rim_slip(context),
         thermal_softening(context),
+        sphere_size(context),
     )
 
 
@@ -112,4 +117,24 @@ def thermal_softening(context: DataContext) -> Effect:
         shown_by="the same test at two temperatures 30 K or more apart",
         source="Ferry (1980), Viscoelastic Properties of Polymers, ch. 11",
         forms=tuple(softening(span, len(met))),
+    )
+
+
+def sphere_size(context: DataContext) -> Effect:
+    """A sphere of another radius than is stated, ``--sphere-radius``: more, or less, of it."""
+    most = context.larger
+    added = Constant("added_radius_mm", 0.0, -most, most, 0.02 * most, places=("sphere",))
+    form = Form("radius", (added,), ((0.3 * most,), (-0.3 * most,)), ((0.05 * most,),))
+    return Effect(
+        id="sphere-size",
+        title="the sphere is larger or smaller than is stated",
+        shown_by="the sphere's diameter, by a calliper",
+        source="geometry",
+        forms=(form,) if most and not context.taken_up else (),
+        not_sought="it is no sphere, or nearly as large as the clamp"
+        if not most
+        else "the law's constants take it up, as far as they are known (--prior 2%)"
+        if context.taken_up
+        else "",
+        of_document=True,
     )
