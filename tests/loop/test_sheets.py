@@ -189,6 +189,24 @@ def test_a_load_cell_off_its_zero_is_told(offset_N: float, stretch: float, wave_
 
 
 @pytest.mark.parametrize(
+    ("drift_N", "compliance", "wave_N", "told"),
+    [(0.6, 0.0, 0.0, True), (-0.6, 0.0, 0.0, True), (0.0, 0.4, 0.0, False), (0.6, 0.0, 0.3, False)],
+)
+def test_a_load_cell_that_drifts_is_told(drift_N: float, compliance: float, wave_N: float, told: bool) -> None:
+    """By what it has gone at the last reading; not of a machine that yields, nor where it is not all that is missed."""
+    problem = contact(fixed=["depth.zero"])  # of a sheet that is a spring it is a drift
+    yields = problem.predict(np.array([1.0, 1.0, 0.0]), {"frame-compliance": ("spring", np.array([compliance]))})
+    rows = len(problem.files[0].depth)
+    drifted = yields[:rows] + np.linspace(0.0, drift_N, rows)
+    lines = untared(problem, _found(problem, drifted, 0.02, wave_N))
+    assert bool(lines) is told
+    for line in lines:
+        said = re.search(r"drift, ([\d.]+) N too (high|low) at the last reading", line)
+        assert said is not None
+        assert float(said[1]) * (1.0 if said[2] == "high" else -1.0) == pytest.approx(drift_N, abs=0.05)
+
+
+@pytest.mark.parametrize(
     ("prior", "fixed", "sought"),
     [(0.1, [], True), (0.13, [], False), (0.13, ["C01"], True), (0.13, ["depth.zero"], False)],
 )

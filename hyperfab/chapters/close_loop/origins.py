@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.fitting import fit
+from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.thresholds import FEWEST, MARGIN, SHARE, SMALL
@@ -74,36 +75,59 @@ def another_zero(problem: Problem, found: Finding) -> list[str]:
 
 
 def untared(problem: Problem, found: Finding) -> list[str]:
-    """Return by how much a load cell would be off its zero throughout, where that is all the model misses forces by.
+    """Return by how much a load cell would be off its zero, throughout or farther with every reading of a test, where
+    that is all the model misses forces by.
 
-    Not where what was found does better: a sheet mounted taut is a little like it.
+    Not where what was found does better: a sheet mounted taut is a little like either.
     """
     if not isinstance(problem, FilesProblem) or found.verdict == "noise":
         return []
     forces = np.concatenate([np.full(len(one.values), one.kind == "force") for one in problem.files])
     if not forces.any():
         return []
-    unit = np.zeros(len(problem.measured))
-    unit[: len(forces)] = forces
+    throughout, drifting = np.zeros((2, len(problem.measured)))
+    for name in {one.name for one in problem.files}:
+        rows = problem.rows_of(name)
+        rows = rows[forces[rows]]
+        throughout[rows] = 1.0
+        drifting[rows] = np.linspace(0.0, 1.0, len(rows))
+    ways = [(one, *_off_zero(problem, found, one)) for one in (throughout, drifting)]
+    read = np.flatnonzero(throughout)
+    largest = 0.5 * float(np.max(np.abs(problem.measured[read])))
+    beyond = float(np.mean(found.before.fit.residual[read] ** 2)) - 1.0
+    meets = [
+        (shape, offset)
+        for shape, offset, freed in sorted(ways, key=lambda way: way[2].chi2)
+        if float(np.mean(freed.residual[read] ** 2)) - 1.0 <= max(SHARE * beyond, SMALL**2)
+        and freed.chi2 <= found.after.fit.chi2 + MARGIN
+        and abs(offset) <= largest
+    ]
+    if beyond <= SMALL**2 or not meets:
+        return []
+    shape, offset = meets[0]
+    off, way = f"{abs(offset):.3g} N", "high" if offset > 0.0 else "low"
+    if shape is throughout:
+        return [
+            f"Were the load cell {off} too {way} throughout, the model would meet these readings without any effect: "
+            "look at its zero before anything is said to lack."
+        ]
+    return [
+        f"Were the load cell to drift, {off} too {way} at the last reading of a test, the model would meet these "
+        "readings without any effect: read it unloaded after a test too before anything is said to lack."
+    ]
+
+
+def _off_zero(problem: Problem, found: Finding, shape: Array) -> tuple[float, Fit]:
+    """Return the offset of a load cell, times ``shape`` (rows,), that suits the readings best, and the fit with it."""
     before = found.before.fit
     offset, freed = 0.0, before
-    step = float(np.sqrt(np.mean((problem.measured - before.predicted)[unit > 0.0] ** 2)))
+    step = float(np.sqrt(np.mean((problem.measured - before.predicted)[shape > 0.0] ** 2)))
     for _ in range(_NEARER):
         last = freed
-        freed = fit(problem, found.noise, {}, before.x, data=problem.measured - (offset + step) * unit)
+        freed = fit(problem, found.noise, {}, before.x, data=problem.measured - (offset + step) * shape)
         slope = (freed.residual - last.residual) / step
         offset += step
         step = -float(slope @ freed.residual) / max(float(slope @ slope), 1e-300)
         if abs(step) < 1e-3 * abs(offset):
             break
-    read = np.flatnonzero(unit)
-    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
-    largest = 0.5 * float(np.max(np.abs(problem.measured[read])))
-    if beyond <= SMALL**2 or left > max(SHARE * beyond, SMALL**2) or abs(offset) > largest:
-        return []
-    if freed.chi2 > found.after.fit.chi2 + MARGIN:
-        return []
-    return [
-        f"Were the load cell {abs(offset):.3g} N too {'high' if offset > 0.0 else 'low'} throughout, the model would "
-        "meet these readings without any effect: look at its zero before anything is said to lack."
-    ]
+    return offset, freed
