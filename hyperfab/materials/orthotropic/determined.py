@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.curve import TestCurve
 from hyperfab.materials.orthotropic.energy import ABSENT, NAMES
-from hyperfab.materials.orthotropic.rows import across
+from hyperfab.materials.orthotropic.rows import SLIGHT, across, strained
 
 
 @dataclass(frozen=True)
@@ -51,13 +51,13 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
         found.append("nu")
     else:
         open_.append(("nu", "the lateral stretch of the uniaxial test (column stretch 2)"))
-    if both:
-        found += ["k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft"]
-    else:
-        open_ += [
-            (name, "uniaxial tests along warp and weft")
-            for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
-        ]
+    # Threads that draw in wherever the tests pull carry nothing in them.
+    lengths = {"warp": strained(tests, 0.0), "weft": strained(tests, 90.0)}
+    for name, strain in lengths.items():
+        if both and strain > SLIGHT * max(lengths.values()):
+            found += [f"k1_{name}_MPa", f"k2_{name}"]
+        else:
+            open_ += [(constant, "uniaxial tests along warp and weft") for constant in (f"k1_{name}_MPa", f"k2_{name}")]
     # Strips cut at one angle tell that angle's stiffness, not whether threads or the resistance of the angle give it; a
     # pair of threads that may lie anywhere would stand in for those of warp or weft.
     slants = "four slanted angles" if slanted else "a biaxial one"
@@ -95,12 +95,12 @@ def _kinds(test: TestCurve) -> set[str]:
     """Return what a test counts as: general biaxial stretch at ratios far apart as more than one kind."""
     if test.mode != "biaxial-general":
         return {test.mode}
-    strains = np.abs(np.stack([test.stretch, across(test)]) - 1.0)
+    strains = np.stack([test.stretch, across(test)]) - 1.0
     less, more = strains.min(axis=0), strains.max(axis=0)
-    # What is hardly pulled yet tells no ratio.
+    # What is hardly pulled yet tells no ratio; one axis that draws in is pulled nearly alone.
     ratio = (less / np.where(more > 0.0, more, 1.0))[more > 0.2 * more.max()]
-    kinds = {"shear": ratio < 0.35, "between": (ratio >= 0.35) & (ratio < 0.8), "biaxial": ratio >= 0.8}
-    return {name for name, rows in kinds.items() if rows.any()}
+    kinds = ("uniaxial", "shear", "between", "biaxial")
+    return {kinds[place] for place in np.digitize(ratio, (-0.15, 0.35, 0.8))}
 
 
 def _slant(angle: float) -> float:
