@@ -298,6 +298,19 @@ def test_biaxial_pulls_that_draw_the_warp_in_tell_inclined_threads_and_none_alon
     assert found.law.parameters["bias_deg"] == pytest.approx(20.0, abs=1e-3)
 
 
+def test_pulls_of_a_weft_that_stretches_far_more_than_the_warp_are_of_several_ratios():
+    """Strains of 0.2 along the warp beside 1.6 along the weft counted as planar shear all, and told no coupling."""
+    law = Orthotropic.of({**KNIT, "k1_bias_MPa": 0.0, "G_MPa": 0.0})
+    tests = []
+    for one, other in ((1.0, 1.0), (1.0, 0.5), (0.5, 1.0)):
+        warp, weft = 1.0 + one * (LAM - 1.0) / 3.0, 1.0 + other * (LAM - 1.0) * 2.7
+        along, across, _ = held(law, 0.0, warp, weft)
+        even = 1.0 / np.maximum(along, across)
+        tests.append(TestCurve("biaxial-general", warp, along, even, weft, across, even, direction=0.0))
+    assert {one.name for one in sought_by(tests)[1]} == {"G_MPa"}
+    assert identify(tests).sse < 1e-12
+
+
 def test_one_slanted_angle_says_nothing_of_inclined_threads():
     def pulls(*angles: float) -> set[str]:
         return {one.name for one in sought_by([_softening(angle) for angle in angles])[1]}
