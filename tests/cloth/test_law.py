@@ -66,7 +66,7 @@ def test_measured_stretches_must_rise():
 
 
 def test_a_kink_costs_the_pieces_beside_it_alone():
-    """Threads that come to bear at a stretch of their own: all 512 pieces were halved six times over."""
+    """Threads that come to bear at a stretch of their own: all 512 pieces were halved for it."""
 
     def law(lam):
         late = np.maximum(lam - 1.3007, 0.0)
