@@ -74,7 +74,6 @@ def close(
     *,
     noise: float | Noise | None = None,
     tick: Callable[[str], None] = lambda text: None,
-    refit: int = 6,
     design: bool = True,
     apart: Apart | None = None,
 ) -> Finding:
@@ -82,17 +81,14 @@ def close(
     else it is estimated: from what neighbours and replicates differ by, and, where something then stays unexplained, as
     readings that wander. ``apart`` returns how far a model misses readings that take no part: no effect is kept that
     makes that more."""
-
-    def under(level: Noise, *, again: bool) -> Finding:
-        return _closed(problem, level, tick=tick, refit=refit, design=design, again=again, apart=apart)
-
-    found = under(noise if isinstance(noise, Noise) else estimate_noise(problem, noise), again=True)
+    level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
+    found = _closed(problem, level, tick=tick, design=design, again=True, apart=apart)
     if found.verdict != "unexplained" or not found.noise.least:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
     if not np.any(wanders.sd > found.noise.sd):
         return found
-    more = under(wanders, again=False)
+    more = _closed(problem, wanders, tick=tick, design=design, again=False, apart=apart)
     # What is missed by far more than readings wander, all that neighbours have in common counted, is none of their
     # wandering, however few tell how far that is.
     left = (problem.measured - more.before.fit.predicted) / wanders.sd
@@ -107,13 +103,12 @@ def _closed(
     level: Noise,
     *,
     tick: Callable[[str], None],
-    refit: int,
     design: bool,
     again: bool,
     apart: Apart | None,
 ) -> Finding:
     """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
-    search = Search(problem, level, tick, max(refit, problem.rich))
+    search = Search(problem, level, tick)
     before = search.base()
     if not np.isfinite(before.fit.cost):
         raise NotConverged(
@@ -130,7 +125,7 @@ def _closed(
 
     def under(other: Noise) -> Finding:
         """Return what is found where noise is another, in all judgements."""
-        return _closed(problem, other, tick=tick, refit=refit, design=design, again=False, apart=apart)
+        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""

@@ -113,7 +113,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
         return state
     own = state.fit.own
     as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
-    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
+    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was)
     alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
     # Of a press, a film read after opening says as much of the model's own constants as the pressure does.
     if (alike and state.problem.describes) or kept.cost <= state.fit.cost * _ALIKE:
@@ -123,7 +123,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
         if (factor := next(looser, None)) is None:
             return state
         noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
-        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
+        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x])
         found = Candidate(search.problem, search.noise, descended.fit(search.noise))
     return found
 

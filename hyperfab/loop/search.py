@@ -23,8 +23,8 @@ from hyperfab.numerics.gram import inverse
 _STEPS = 4
 #: Share of the model's own constants that a form leaves which takes over from them.
 _NEXT_TO_NOTHING = 0.02
-#: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
-_FORMS, _RICH = 3, 3
+#: Entries that are tried, forms of one, and entries of which the forms that refine them are tried too.
+_ENTRIES, _FORMS, _RICH = 6, 3, 3
 
 
 @dataclass
@@ -34,7 +34,6 @@ class Search:
     problem: Problem
     noise: Noise
     tick: Callable[[str], None] = lambda text: None
-    refit: int = 6
     _fits: dict[tuple[tuple[str, str], ...], Fit] = field(default_factory=dict)
     _states: dict[tuple[tuple[str, str], ...], Candidate] = field(default_factory=dict)
     _own_optimum: Candidate | None = None
@@ -353,14 +352,14 @@ class Search:
     def candidates(self, state: Candidate) -> list[tuple[Candidate, Evidence]]:
         """Return the models with one term more, those of lowest BIC first; the best of them in their richest form."""
         simple = []
-        for effect, _ in self.ranking(state)[: self.refit]:
+        for effect, _ in self.ranking(state)[: max(self.problem.rich, _ENTRIES)]:
             fitted = self.with_term(state, effect, families=0)
             if fitted is not None:
                 simple.append((effect, fitted))
         simple.sort(key=lambda pair: pair[1].chi2)
         found = []
         for place, (effect, fitted) in enumerate(simple):
-            if place < (_RICH if state.ids else max(self.problem.rich, _RICH)):
+            if place < (_RICH if state.ids else self.problem.rich):
                 fitted = self.with_term(state, effect, _FORMS if place == 0 else 1) or fitted
             larger = self.state(fitted)
             found.append((larger, self.evidence(state, larger)))
