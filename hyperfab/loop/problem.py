@@ -294,10 +294,7 @@ class Problem(ABC):
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""
-        found = []
-        for one, rest in zip(own, values, strict=True):
-            found.append(self.predict(one, split(rest, forms)))
-        return np.stack(found)
+        return np.stack([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
 
     def extras(self) -> Sequence[Extra]:
         """Return the tests that could be done next."""

@@ -309,9 +309,8 @@ def _best(
 
 
 def _slope(chapter: Chapter, root: Array, sd: Array, place: Array, value: Array) -> Array:
-    columns = []
-    for way in np.eye(len(place)) * _DIFFERENCE:
-        columns.append((chapter.predict(root @ (place + way)) - value) / (_DIFFERENCE * sd))
+    ways = place + _DIFFERENCE * np.eye(len(place))
+    columns = [(chapter.predict(root @ there) - value) / (_DIFFERENCE * sd) for there in ways]
     return np.array(columns).T.reshape(len(value), len(place))
 
 

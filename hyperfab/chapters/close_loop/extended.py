@@ -187,10 +187,9 @@ def _along_and_across(
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return constants of the law for warp and weft that come nearest to the law with fibres, over the data's reach."""
     reach = np.linspace(1.0, float(np.max(problem.fabric.path.stretch)), 41)[1:]
-    found = []
-    for angle in (0.0, 90.0):
-        found.append(nearest(law, uniaxial_pull(reach, angle), ground, {"anisotropy": (form, values)}))
-    return found[0], found[1]
+    terms = {"anisotropy": (form, values)}
+    warp, weft = (nearest(law, uniaxial_pull(reach, angle), ground, terms) for angle in (0.0, 90.0))
+    return warp, weft
 
 
 def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:
