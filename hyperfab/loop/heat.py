@@ -16,6 +16,8 @@ from hyperfab.thermal.sensors import as_shown, lagging
 from hyperfab.thermal.settings import Settings, air_drift
 from hyperfab.thermal.tables import Table
 
+#: Kinds of constants that a mold has of its own.
+_KINDS = ("film", "conductivity", "capacity", "power", "joint", "start", "ambient")
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
 #: Standard deviations of its prior by which a constant may move; less those that could stand in for a bad joint.
@@ -195,22 +197,19 @@ class HeatProblem(Problem):
         opened, added = each("resistance", range(new)), each("resistance", range(new, new + old))
         first, second = (moved.pop(name, np.zeros(count))[:, None] for name in ("lag_s", "second_lag_s"))
         lags = [self.lag_s[0] + first + each("lag_s", range(len(mold.probes))), self.lag_s[1] + second]
-        pick = {
-            kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
-            for kind in ("film", "conductivity", "capacity", "power", "joint")
-        }
-        starts = own[:, [i for i, other in enumerate(self.kinds) if other == "start"]]
+        of = {kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]] for kind in _KINDS}
+        starts = of["start"]
         # The first is the start of all parts; the others say by how much a part began warmer.
         starts[:, 1:] += starts[:, :1]
         settings = Settings(
-            film=pick["film"],
-            conductivity=pick["conductivity"],
-            capacity=pick["capacity"],
-            power=pick["power"],
-            joint=pick["joint"] * self.joints / (1.0 + added * pick["joint"] * self.joints),
+            film=of["film"],
+            conductivity=of["conductivity"],
+            capacity=of["capacity"],
+            power=of["power"],
+            joint=of["joint"] * self.joints / (1.0 + added * of["joint"] * self.joints),
             opened=opened,
             start_K=starts,
-            ambient_K=own[:, [self.kinds.index("ambient")]],
+            ambient_K=of["ambient"],
             effects=moved,
         )
         return settings, lags
@@ -268,14 +267,13 @@ def heat_problem(
     mold: ReducedMold,
     times: Array,
     readings: Array,
-    probes: Sequence[int],
     names: Sequence[str],
     own: Sequence[tuple[str, str]],
     joints: Sequence[float],
     prior: float,
     fixed: Sequence[str] = (),
 ) -> HeatProblem:
-    """Return the problem of ``readings`` (times, probes read) [degC], nan where one is missing.
+    """Return the problem of ``readings`` (times, probes) [degC], nan where one is missing.
 
     ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
@@ -293,11 +291,11 @@ def heat_problem(
         )
         for key, kind in own
     )
-    rows, count = len(times), len(probes)
+    rows, count = len(times), len(names)
     power = sum(table(times) for _, table in mold.heaters) if mold.heaters else np.zeros(rows)
     jumps = np.flatnonzero(np.abs(np.diff(power)) > 0.02 * max(float(np.max(np.abs(power))), 1e-12)) + 1
     kept = np.flatnonzero(np.isfinite(readings.T.ravel()))
-    curves = tuple(_curve(names[i], i * rows, times, kept, jumps) for i in range(count))
+    curves = tuple(_curve(name, i * rows, times, kept, jumps) for i, name in enumerate(names))
     air = mold.films[0].ambient if mold.films else None
     context = DataContext(
         duration_s=float(times[-1] - times[0]),
@@ -329,7 +327,7 @@ def heat_problem(
         effects=entries(context),
         states=states,
         units=("K",),
-        runs=[Run(replace(mold, probes=mold.probes[list(probes)]), times, kept)],
+        runs=[Run(mold, times, kept)],
         kinds=tuple(kind for _, kind in own),
         joints=np.asarray(joints, dtype=np.float64),
         names=tuple(names),

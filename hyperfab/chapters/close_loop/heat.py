@@ -148,7 +148,6 @@ def pose(
         mold,
         read.times,
         read.readings,
-        range(len(read.names)),
         read.names,
         own,
         [joint.conductance for joint in declared],
