@@ -38,7 +38,7 @@ class PressProblem(FilesProblem[Reading]):
 
     def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
         """Return the readings that the press would give."""
-        value = dict(zip((one.name for one in self.own), own, strict=True))
+        value = self.as_stated(own)
         changes = self.changes(terms)
         guided: dict[tuple[float | None, float], Moved] = {}
         presses: dict[tuple[object, ...], SetPress] = {}
@@ -109,23 +109,20 @@ class PressProblem(FilesProblem[Reading]):
     @cached_property
     def _arm(self) -> Array:
         """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
-        now = self._moved(self._given, Changes())
-        load = loads(now.table, SetPress(now, self.setting, self._given, self._sum).opening, np.zeros(2))
+        value = self.as_stated(self.given)
+        now = self._moved(value, Changes())
+        load = loads(now.table, SetPress(now, self.setting, value, self._sum).opening, np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
 
     @cached_property
     def largest_force(self) -> float:
         """The force [N] at the setting, as the model is."""
-        now = self._moved(self._given, Changes())
+        now = self._moved(self.as_stated(self.given), Changes())
         return float(self._sum.force(now, np.array([self.setting.opening]))[0])
-
-    @property
-    def _given(self) -> dict[str, float]:
-        return {one.name: one.value for one in self.own}
 
     def force_at(self, own: Array, terms: Mapping[str, tuple[str, Array]], time_s: float) -> float:
         """Return the force [N] that the press closes with, with ``terms``, a time after the foam was first pressed."""
-        value = dict(zip((one.name for one in self.own), own, strict=True))
+        value = self.as_stated(own)
         changes, late = self.changes(terms), Reading("", "force", np.zeros(1), time_s=np.array([time_s]))
         left, thick = (float(np.max(share(late))) for share in (changes.factor, changes.thickness))
         press = self._set(self._moved(value, changes, thick=thick).relaxed(left), value)

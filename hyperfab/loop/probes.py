@@ -61,9 +61,8 @@ def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[
 def _begun(problem: HeatProblem) -> Iterator[str]:
     """Yield by how much the log begins warmer or colder than the document, where that is more than it may be."""
     clock, known = problem.runs[0].clock[0], problem.own[problem.kinds.index("start")]
-    delivered = problem.predict(np.array([constant.value for constant in problem.own]), {})
     first = np.array([curve.start for curve in problem.curves if curve.abscissa[0] <= _SOON * clock[-1]], dtype=int)
-    off = (problem.measured - delivered)[first]
+    off = (problem.measured - problem.delivered)[first]
     if len(off) and np.min(np.abs(off)) > _FAR * known.prior_sd and np.ptp(np.sign(off)) == 0.0:
         which = "warmer" if off[0] > 0.0 else "colder"
         yield (
@@ -84,8 +83,7 @@ def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | N
             continue
         data = problem.measured.copy()
         data[one.rows], data[other.rows] = problem.measured[other.rows], problem.measured[one.rows]
-        given = [constant.value for constant in problem.own]
-        again = fit(problem, found.noise, {}, given, data=data, iterations=_STEPS)
+        again = fit(problem, found.noise, {}, problem.given, data=data, iterations=_STEPS)
         if again.cost < (start if best is None else best[0]).cost:
             best = (again, one.name, other.name, data - again.predicted)
     if best is None or is_strained(problem, best[0]) or structured(best[0], problem, found.noise) > SMALL:
@@ -107,8 +105,7 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
     for curve in problem.curves:
         silent = found.noise.plain.sd.copy()
         silent[curve.rows] = np.inf
-        given = [constant.value for constant in problem.own]
-        again = fit(problem, replace(found.noise.plain, sd=silent), {}, given, iterations=_STEPS)
+        again = fit(problem, replace(found.noise.plain, sd=silent), {}, problem.given, iterations=_STEPS)
         free = len(again.residual) - (curve.stop - curve.start) - len(again.x)
         beyond = again.chi2 / max(free, 1) - 1.0
         if beyond <= most**2 and not is_strained(problem, again):

@@ -243,6 +243,16 @@ class Problem(ABC):
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
 
     @property
+    def given(self) -> Array:
+        """The own constants as the model was given, (p,)."""
+        return np.array([constant.value for constant in self.own])
+
+    @property
+    def delivered(self) -> Array:
+        """What the model predicts as it was given, (rows,)."""
+        return self.predict(self.given, {}) if self.as_delivered is None else self.as_delivered
+
+    @property
     def expected(self) -> tuple[Constant, ...]:
         """The own constants with what is known of them beforehand, also where rows of their own speak for that."""
         return self.priors or self.own

@@ -40,8 +40,7 @@ class Search:
 
     def base(self) -> Candidate:
         """Return the model as it is, with its own constants refitted."""
-        given = np.array([constant.value for constant in self.problem.own])
-        fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
+        fits = [fit(self.problem, self.noise, {}, start) for start in (self.problem.given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
         if not np.isfinite(best.chi2) or best.cost <= TOLD**2 * len(best.residual):
             return self.state(best)
@@ -275,7 +274,7 @@ class Search:
             kept, others = self.problem.scaled(parent.x[: parent.own], _NEXT_TO_NOTHING), parent.x[parent.own :]
             starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
         # A model that lacks much drifts far from what is known: the way back is long, or leads elsewhere.
-        own = [constant.value for constant in self.problem.own]
+        own = self.problem.given
         delivered = [np.concatenate([own, start[len(own) :]]) for start in starts]
         # Where a law has several optima each way is gone to its end.
         ways = [starts, delivered] if self.problem.has_valleys else [starts + self.problem.well_known * delivered]

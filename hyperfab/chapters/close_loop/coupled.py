@@ -12,7 +12,6 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward, pose_sheet
 from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, apart_of, close_rounds
 from hyperfab.chapters.close_loop.readings import Files
-from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.loop import AddedEffect, Evidence, LoopDocument
 from hyperfab.errors import HyperfabError
@@ -48,8 +47,7 @@ def misses(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], fo
         return None
     posed = drape_problem(replace(problem.draped, base=places), files)
     rows = slice(posed.curves[-1].start)  # the last is what is known of the constants
-    given = np.array([one.value for one in posed.own])
-    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
+    left = float(np.sqrt(np.mean((posed.measured - posed.delivered)[rows] ** 2)))
     net = float(np.sqrt(np.mean((found.after.fit.predicted - problem.measured)[rows] ** 2)))
     return left if left < _COUPLED * net else None
 
@@ -121,6 +119,6 @@ def _tell(result: LoopDocument, net: DrapeProblem, posed: DrapeProblem, found: F
         if row.id == COUPLING:
             row.not_sought = None
     first = net.channel == 0
-    delivered = delivered_of(net)[first]
+    delivered = net.delivered[first]
     sd = found.noise.sd[first]
     result.error.delivered = errors_of(net.measured[first], delivered, delivered, sd, net.units[0]).before

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import parts_of
-from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
+from hyperfab.chapters.close_loop.words import doubts, strength, summary
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
@@ -47,7 +47,7 @@ def describe(
         verdict=found.verdict,
         effects=[_added(problem, found, name) for name in after.forms],
         constants={
-            "given": problem.as_stated(np.array([constant.value for constant in problem.own])),
+            "given": problem.as_stated(problem.given),
             "refitted": problem.as_stated(before.x[: before.own]),
             "with_effects": problem.as_stated(after.x[: after.own]),
         },
@@ -140,7 +140,7 @@ def _error(problem: Problem, found: Finding, channel: int, unit: str) -> Errors:
         spread=found.noise.spread(after.predicted)[rows],
         whitened=(before.residual[rows], after.residual[rows]),
         curves=_of_channel(problem, channel),
-        delivered=delivered_of(problem)[rows] - rest,
+        delivered=problem.delivered[rows] - rest,
     )
 
 

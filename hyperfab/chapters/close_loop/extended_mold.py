@@ -62,7 +62,7 @@ def extend(
     mold = copy.deepcopy(dict(data))
     relocate(mold, folders)
     files: dict[str, bytes] = {}
-    own = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
+    own = problem.as_stated(fit.x[: fit.own])
     # A term at its null is not there: the document stays the one that was given.
     terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
     wider = _Wider(mold, document, problem, own, problem.amounts(terms), files)

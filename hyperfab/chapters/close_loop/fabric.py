@@ -16,7 +16,6 @@ from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
 from hyperfab.chapters.close_loop.whole_sheet import in_terms
-from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
@@ -26,7 +25,6 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
@@ -63,13 +61,11 @@ def run(job: Job, given: Given) -> int:
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
-    problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
+    asked = (given.name, tests, given.case.fix, given.case.prior)
+    problem = pose(document, *asked)
     if problem.both and not document.effects and is_slanted(problem.fabric.path.angle_deg).any():
-        as_delivered = delivered_of(problem)
         document = document.model_copy(update={"directions": None})
-        problem = replace(
-            pose(document, given.name, tests, given.case.fix, given.case.prior), as_delivered=as_delivered
-        )
+        problem = replace(pose(document, *asked), as_delivered=problem.delivered)
         tests.warnings.append(
             "constants along warp and weft tell nothing of what lies between, which these tests show: the loop starts "
             "from one law for all directions"
@@ -146,11 +142,8 @@ def pose(
         weft = [float(weft_document.parameters[key]) for key in law.names]
     held = {}
     if document.effects:
-        bare = fabric_problem(law, constants, tests.tests, weft=weft)
-        stress = np.concatenate([test.stress for test in tests.tests])
-        context = DataContext(law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0)
-        catalogue = {effect.id: effect for effect in entries(context)}
-        held = held_terms(document, name, catalogue, context.path.knows_time)
+        bare = fabric_problem(law, constants, tests.tests)
+        held = held_terms(document, name, {one.id: one for one in bare.effects}, bare.fabric.path.knows_time)
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     check_fixed(fix, sorted(known), "model")

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.domain import Given, signed
 from hyperfab.chapters.close_loop.left_out import OF_FILES
 from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
-from hyperfab.chapters.close_loop.words import PLACES, delivered_of
+from hyperfab.chapters.close_loop.words import PLACES
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.console import NEGATIVE_VERDICT
@@ -330,6 +330,6 @@ def picture(
         verdict=found.verdict,
         added=found.after.ids,
         value_words=value_words or {},
-        delivered=delivered_of(problem)[first],
+        delivered=problem.delivered[first],
         widths=[(one.places, problem.measured[one.rows], before[one.rows], after[one.rows]) for one in widths],
     ).png()

@@ -84,7 +84,7 @@ class DrapeChain:
                 document = {"fabric": self.forward.case.material, "mold": self.forward.case.mold[0]}.get(chapter)
                 predict = self._predict(numbers)
                 links.append(Link(chapter, covariance, predict, document or "", tuple(numbers)))
-        return self._at(np.array([one.value for one in self.problem.own]), {}), links
+        return self._at(self.problem.given, {}), links
 
     def _predict(self, numbers: Sequence[Moved]) -> Callable[[Array], Array]:
         def predict(change: Array) -> Array:

@@ -116,7 +116,7 @@ def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings
     places = np.concatenate([_along(reading) for reading in readings])
     kind = np.concatenate([np.full(len(one.values), KINDS.index(one.kind)) for one in readings])
     # Where the machine counts its stroke from is known to its own standard deviation only.
-    given = {one.name: one.value for one in problem.own}
+    given = problem.as_stated(problem.given)
     off = given | ({"stroke.zero": STROKE_SD} if "stroke.zero" in given else {})
     shown = [problem.predict(np.array(list(own.values())), {}) for own in (given, off)]
     sd = np.hypot(noise.sd, shown[1] - shown[0])[rows]

@@ -123,16 +123,9 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
     return told
 
 
-def delivered_of(problem: Problem) -> Array:
-    """Return what the model predicts with its constants as they were given."""
-    if problem.as_delivered is not None:
-        return problem.as_delivered
-    return problem.predict(np.array([constant.value for constant in problem.own]), {})
-
-
 def another_unit(problem: Problem) -> list[str]:
     """Return which kinds of reading are so many times what the model says that their unit is the nearest reason."""
-    told, given = [], delivered_of(problem)
+    told, given = [], problem.delivered
     for channel, unit in enumerate(problem.units):
         rows = np.zeros(len(given), dtype=bool)
         for curve in problem.curves:
@@ -160,7 +153,7 @@ def strange_probes(problem: Problem) -> list[str]:
     """
     if "probe" not in problem.states or len(problem.curves) < 3:
         return []
-    given = delivered_of(problem)
+    given = problem.delivered
     moved = np.array([[np.ptp(row[curve.rows]) for curve in problem.curves] for row in (problem.measured, given)])
     beside = moved[0] / np.maximum(moved[1], 1e-12)
     beside /= max(float(np.median(beside)), 1e-12)
