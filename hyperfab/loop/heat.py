@@ -59,21 +59,21 @@ class Run:
         return Run(mold, times, np.arange(len(times) * len(mold.probes)))
 
 
-@dataclass
+@dataclass(kw_only=True)
 class HeatProblem(Problem):
     """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
 
     rich = 8
     well_known = True
 
-    runs: Sequence[Run] = field(kw_only=True)
-    kinds: Sequence[str] = field(kw_only=True)
-    joints: Array = field(kw_only=True)
-    pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
-    lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)), kw_only=True)
-    names: Sequence[str] = field(kw_only=True)
-    base: Sequence[str | tuple[int, int]] = field(default=(), kw_only=True)
-    tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
+    runs: Sequence[Run]
+    kinds: Sequence[str]
+    joints: Array
+    pairs: Sequence[tuple[str, str]] = ()
+    lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)))
+    names: Sequence[str]
+    base: Sequence[str | tuple[int, int]] = ()
+    tables: Mapping[str, Table] = field(default_factory=dict)
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""
@@ -294,12 +294,13 @@ def heat_problem(
     rows, count = len(times), len(names)
     power = sum(table(times) for _, table in mold.heaters) if mold.heaters else np.zeros(rows)
     jumps = np.flatnonzero(np.abs(np.diff(power)) > 0.02 * max(float(np.max(np.abs(power))), 1e-12)) + 1
-    kept = np.flatnonzero(np.isfinite(readings.T.ravel()))
+    kept = np.flatnonzero(np.isfinite(readings.T))
+    measured = readings.T.ravel()[kept]
     curves = tuple(_curve(name, i * rows, times, kept, jumps) for i, name in enumerate(names))
     air = mold.films[0].ambient if mold.films else None
     context = DataContext(
         duration_s=float(times[-1] - times[0]),
-        rise_K=max(float(np.ptp(readings.T.ravel()[kept])), 1.0),
+        rise_K=max(float(np.ptp(measured)), 1.0),
         power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
         films=len(mold.films),
         heaters=len(mold.heaters),
@@ -308,9 +309,8 @@ def heat_problem(
         probes=count,
         bench=len(mold.bench.weights) > 0,
         emits=bool(mold.radiators),
-        typical_film=float(np.mean(mold.films[0].film(readings.T.ravel()[kept]))) if mold.films else 10.0,
+        typical_film=float(np.mean(mold.films[0].film(measured))) if mold.films else 10.0,
     )
-    measured = readings.T.ravel()[kept]
     states = {
         "time_s": np.tile(times, count)[kept],
         "temperature_degC": measured,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,15 +26,15 @@ _SEGMENT = 15
 GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
 
 
-@dataclass
+@dataclass(kw_only=True)
 class PressProblem(FilesProblem[Reading]):
     """A press and what was read in it."""
 
-    summed: PressTable = field(kw_only=True)
-    correction: Array = field(kw_only=True)
-    places: PressTable = field(kw_only=True)
-    setting: Setting = field(kw_only=True)
-    foam: FoamContext = field(kw_only=True)
+    summed: PressTable
+    correction: Array
+    places: PressTable
+    setting: Setting
+    foam: FoamContext
 
     def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
         """Return the readings that the press would give."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import errors_of
+from hyperfab.chapters.close_loop.describe import errors_of, evidence_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward, pose_sheet
 from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, apart_of, close_rounds
 from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.validity import Ranges
-from hyperfab.documents.loop import AddedEffect, Evidence, LoopDocument
+from hyperfab.documents.loop import AddedEffect, LoopDocument
 from hyperfab.errors import HyperfabError
 from hyperfab.loop.drape import DrapeProblem, Markers, drape_problem
 from hyperfab.loop.engine import Finding
@@ -102,19 +102,11 @@ class InsteadOfNet:
 
 def _tell(result: LoopDocument, net: DrapeProblem, posed: DrapeProblem, found: Finding) -> None:
     """Say of a finding on a membrane that it stands for a net: with coupling as the first that is added."""
-    effect, gained = posed.effect(COUPLING), found.added[COUPLING]
-    evidence = Evidence(
-        delta_bic=gained.delta_bic,
-        variance_share=gained.variance_share,
-        held_out_share=gained.help.taken if gained.help is not None else None,
-        tests_helped=gained.help.helped if gained.help is not None else None,
+    effect, evidence = posed.effect(COUPLING), evidence_of(found, COUPLING)
+    coupling = AddedEffect(
+        id=COUPLING, title=effect.title, form="membrane", source=effect.source, parameters={}, evidence=evidence
     )
-    result.effects.insert(
-        0,
-        AddedEffect(
-            id=COUPLING, title=effect.title, form="membrane", source=effect.source, parameters={}, evidence=evidence
-        ),
-    )
+    result.effects.insert(0, coupling)
     for row in result.candidates:
         if row.id == COUPLING:
             row.not_sought = None

@@ -182,8 +182,6 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
     effect, form = problem.effect(name), fit.forms[name]
     place = fit.place(name)
     scale = math.sqrt(max(found.after.judgement.chi2_reduced, 1.0))
-    evidence = found.added[name]
-    aid = evidence.help
     return AddedEffect(
         id=name,
         title=effect.title,
@@ -191,13 +189,19 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
         source=effect.source,
         parameters=form.named(fit.x[place]),
         parameters_sd={key: sd * scale for key, sd in form.named(fit.sd[place]).items()},
-        evidence=Evidence(
-            delta_bic=evidence.delta_bic,
-            variance_share=evidence.variance_share,
-            held_out_share=aid.taken if aid is not None else None,
-            tests_helped=aid.helped if aid is not None else None,
-        ),
+        evidence=evidence_of(found, name),
         tentative=found.verdict == "unexplained",
+    )
+
+
+def evidence_of(found: Finding, name: str) -> Evidence:
+    """Return the evidence of an added effect."""
+    gained = found.added[name]
+    return Evidence(
+        delta_bic=gained.delta_bic,
+        variance_share=gained.variance_share,
+        held_out_share=None if gained.help is None else gained.help.taken,
+        tests_helped=None if gained.help is None else gained.help.helped,
     )
 
 

@@ -226,7 +226,7 @@ def _soft(model: MaterialDocument) -> Iterator[str]:
 
 def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
     """Return tests that take no part beside those of a problem."""
-    wider: FabricProblem = problem.remake([*problem.tests, *tests.tests])  # type: ignore[operator]
+    wider = problem.remake([*problem.tests, *tests.tests])
     measured = np.concatenate([test.stress for test in tests.tests])
     begin = sum(len(test.stretch) for test in problem.tests)
     return Apart(wider, slice(begin, begin + len(measured)), measured)
