@@ -105,9 +105,17 @@ class DrapeChain:
     def _at(self, own: Array, amounts: dict[str, float]) -> Array:
         return np.concatenate(self.problem.at(own, amounts)[: len(self.problem.files)])
 
-    def corrected(self, link: Link, change: Array) -> Corrected:
-        """Return the drape with a chapter's constants changed."""
+    def run_anew(self, link: Link, change: Array, readings: Sequence[Markers]) -> tuple[Corrected, Array]:
+        """Return the drape with a chapter's constants changed, and where the markers are, draped anew on the whole grid
+        (n,)."""
         own, amounts = self._moved(link.numbers, change)
+        draped, sheet = self.problem.draped, self.forward.sheet
+        corrected = self._corrected(link, own, amounts)
+        nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
+        there = replace(draped, base=nodes, finer=())
+        return corrected, np.concatenate([at_markers(there, one.flat)[0][0].T.ravel() for one in readings])
+
+    def _corrected(self, link: Link, own: Array, amounts: dict[str, float]) -> Corrected:
         case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
         material = self.forward.material
         if link.name == "mold":
@@ -118,14 +126,6 @@ class DrapeChain:
         factors = dict(zip(self.problem.draped.names, map(float, own), strict=False))
         document = dump_json(scaled_material(material, factors).to_json())
         return Corrected(case, {link.document: document}, document, case)
-
-    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Markers]) -> Array:
-        """Return where the markers are, draped anew on the whole grid (n,)."""
-        own, amounts = self._moved(link.numbers, change)
-        draped, sheet = self.problem.draped, self.forward.sheet
-        nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
-        there = replace(draped, base=nodes, finer=())
-        return np.concatenate([at_markers(there, one.flat)[0][0].T.ravel() for one in readings])
 
 
 def tracing(

@@ -31,7 +31,6 @@ from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
-from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.chapters.uncertainty.handed import Handed, join
@@ -274,8 +273,21 @@ class PressChain:
     def _document(self, chapter: str) -> str:
         return self.sources.get(chapter) or (self.case.foam if chapter in ("foam", "mounting") else "")
 
-    def corrected(self, link: Link, change: Array) -> Corrected:
-        """Return the press with a chapter's constants changed: its case and the files that are other than on disk."""
+    def run_anew(self, link: Link, change: Array, readings: Sequence[Reading]) -> tuple[Corrected, Array]:
+        """Return the press with a chapter's constants changed, and what it shows at the readings, the whole chain run
+        anew."""
+        corrected = self._corrected(link, change)
+        case: PressCase = corrected.case  # type: ignore[assignment]
+        job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
+        told = closed_press(job, case)[0]
+        closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
+        there = [on_press(front, told.frame, one) for one in readings]
+        pushed = over_stroke(told, readings)
+        force = None if pushed is None else pushed.force
+        return corrected, seen(there, closed.press.sandwich, closed.contact.gap, closed.touch, force)
+
+    def _corrected(self, link: Link, change: Array) -> Corrected:
+        """Return the chain put right: its case and the files that are other than on disk."""
         if link.name == SHEET:
             by_name = {number.name: float(by) for number, by in zip(link.numbers, change, strict=True)}
             made = drape_applied(self._made(DrapeCase, link.document), by_name)
@@ -327,17 +339,6 @@ class PressChain:
         if one.chapter == "fabric":
             return dump_json(parse_document(data, one.source, MaterialDocument).refitted().to_json())
         return dump_toml(data)
-
-    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Reading]) -> Array:
-        """Return what the corrected press shows at the readings, the whole chain run anew."""
-        case: PressCase = corrected.case  # type: ignore[assignment]
-        job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
-        told: PressResult = closed_press(job, case)[0]
-        closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
-        there = [on_press(front, told.frame, one) for one in readings]
-        pushed = over_stroke(told, readings)
-        force = None if pushed is None else pushed.force
-        return seen(there, closed.press.sandwich, closed.contact.gap, closed.touch, force)
 
 
 def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str, bytes]:
