@@ -10,12 +10,11 @@ import numpy as np
 
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended import extend, held_terms
+from hyperfab.chapters.close_loop.extended import extend, held_terms, in_terms
 from hyperfab.chapters.close_loop.finalise import Axis, errors_apart, picture, ticking, write
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
-from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
