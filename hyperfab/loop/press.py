@@ -237,17 +237,14 @@ def press_problem(
 
 
 def _states(parts: Sequence[Reading]) -> dict[str, Array]:
-    found: dict[str, Array] = {}
+    def column(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts])
+
     if parts[0].places is not None:
-        places = np.concatenate([part.places for part in parts if part.places is not None])
-        found = {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
-    elif parts[0].stroke is not None:
-        found["stroke_mm"] = np.concatenate([part.stroke for part in parts if part.stroke is not None])
+        found = {f"{axis}_mm": place for axis, place in zip("xyz", column("places").T, strict=True)}
     else:
-        found["load_MPa"] = np.concatenate([part.load for part in parts if part.load is not None])
-    if all(part.time_s is not None for part in parts):
-        found["time_s"] = np.concatenate([part.time_s for part in parts if part.time_s is not None])
-    return found
+        found = {"load_MPa": column("load")} if parts[0].stroke is None else {"stroke_mm": column("stroke")}
+    return found | ({"time_s": column("time_s")} if all(part.time_s is not None for part in parts) else {})
 
 
 #: Readings at places: of which kind, and how they are taken.

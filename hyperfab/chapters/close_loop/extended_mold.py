@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,24 +61,19 @@ def extend(
     """
     mold = copy.deepcopy(dict(data))
     relocate(mold, folders)
-    files: dict[str, bytes] = {}
-    own = problem.as_stated(fit.x[: fit.own])
-    # A term at its null is not there: the document stays the one that was given.
-    terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
-    wider = _Wider(mold, document, problem, own, problem.amounts(terms), files)
+    wider = _Wider(mold, document, problem, fit)
     wider.films()
     wider.materials()
-    wider.heaters(lambda: problem.given_off(fit.x[: fit.own], fit.terms))
+    wider.heaters()
     wider.starts()
     wider.surroundings()
-    wider.joints(lambda: problem.joint_share(fit.x[: fit.own], fit.terms))
+    wider.joints()
     wider.radiation()
-    wider.base(lambda: problem.bench_degC(fit.x[: fit.own], fit.terms))
+    wider.base()
     wider.probes()
     wider.steps(noise_K)
     _named(mold, stem)
-    files[".model.toml"] = dump_toml(mold)
-    return files, wider.notes
+    return {**wider.files, ".model.toml": dump_toml(mold)}, wider.notes
 
 
 def _named(node: Any, stem: str) -> None:
@@ -110,6 +105,7 @@ class _Wider:
     """A mold's plain document on its way to the extended one.
 
     document   what was given, read
+    fitted     own constants and terms, as the problem takes them
     own        the refitted constants, by name
     amounts    what the found terms add, by its place in the reduced mold's settings
     files      tables beside it, by suffix
@@ -119,13 +115,18 @@ class _Wider:
     mold: dict[str, Any]
     document: MoldDocument
     problem: HeatProblem
-    own: Mapping[str, float]
-    amounts: Mapping[str, float]
-    files: dict[str, bytes]
+    fit: Fit
+    files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Keep the mold as it was reduced, and the faces as they were given."""
+        """Keep what was found, the mold as it was reduced, and the faces as they were given."""
+        fit = self.fit
+        self.fitted = fit.x[: fit.own], fit.terms
+        self.own = self.problem.as_stated(fit.x[: fit.own])
+        # A term at its null is not there: the document stays the one that was given.
+        terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
+        self.amounts = self.problem.amounts(terms)
         self.reduced = self.problem.runs[0].mold
         self.faces = {"convection": self.reduced.films, "radiation": self.reduced.radiators}
         self.given = {kind: copy.deepcopy(self.mold.get(kind, [])) for kind in self.faces}
@@ -183,10 +184,10 @@ class _Wider:
                 self.files[name] = _csv("temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled)
                 self.mold["material"][key][what] = {"table": name}
 
-    def heaters(self, given_off: Callable[[], Sequence[Table]]) -> None:
+    def heaters(self) -> None:
         """Scale the powers; what rides on the temperature is the power that reached the mold in this run."""
         riding = {key: self.amounts[key] for key in _RIDING if key in self.amounts}
-        reached = given_off() if riding else ()
+        reached = self.problem.given_off(*self.fitted) if riding else ()
         for index, heater in enumerate(self.document.heater):
             factor = self.own.get(f"heater.{index}.power", 1.0) * (1.0 - self.at("lost"))
             own = self.mold["heater"][index]
@@ -260,7 +261,7 @@ class _Wider:
         self.files[name] = table
         return {"table": name}
 
-    def joints(self, share: Callable[[], Table]) -> None:
+    def joints(self) -> None:
         """Write the conductance of joints: of the document's, and of those that conduct perfectly in it.
 
         One that changes with their temperature is written as it was in this run.
@@ -273,7 +274,7 @@ class _Wider:
         opened = [self.amounts.get(f"resistance.{k}") for k in range(len(pairs))]
         best, own = 1.0, {}
         if any(self.at(f"joint_{way}") for way in ("per_K", "closes", "tightens")):
-            over = share()
+            over = self.problem.joint_share(*self.fitted)
             best, own = float(np.max(over.y)), {"schedule": ".joint.csv"}
             self.files[".joint.csv"] = _csv("time [s]", "contact [-]", over.x, over.y / best)
         if self.at("joint_per_K"):
@@ -301,7 +302,7 @@ class _Wider:
                 {"on": places, "emissivity": self.amounts["emissivity"], "ambient": one}
             )
 
-    def base(self, bench: Callable[[], Table]) -> None:
+    def base(self) -> None:
         """Give the faces the mold stands on a film, to a bench that is as warm as it was in this run."""
         if "bench" not in self.amounts:
             return
@@ -309,7 +310,7 @@ class _Wider:
         air = self.reduced.reference_degC + self.own.get("ambient", 0.0)
         ambient = f"{air!r} degC" if first is None else self.ambient(first, 0)
         if self.at("bench_share"):
-            warm = bench()
+            warm = self.problem.bench_degC(*self.fitted)
             self.files[".bench.csv"] = _csv("time [s]", "temperature [degC]", warm.x, warm.y)
             ambient = {"table": ".bench.csv"}
             self.notes.append(
