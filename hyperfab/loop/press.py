@@ -203,21 +203,16 @@ def press_problem(
         name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
-    travel = max(float(summed.first_touch - setting.opening), 0.2)
     context = DataContext(
-        half_mm=setting.half_mm,
-        pressure_MPa=float(np.mean(whole.law.stress(0.5))),
+        setting=setting,
         foam=foam,
-        temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
-        molds_degC=setting.temperature,
-        formed="formed" in kinds,
         force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
-        travel_mm=travel,
+        travel_mm=max(float(summed.first_touch - setting.opening), 0.2),
+        time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=None),
+        pressure_MPa=float(np.mean(whole.law.stress(0.5))),
+        temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
         strokes="force" in kinds,
-        timed=any(part.time_s is not None for part in parts),
-        time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
-        floats=setting.floating,
-        forced=setting.force is not None,
+        formed="formed" in kinds,
     )
     first = [part for part in parts if part.kind == kinds[0]]
     return PressProblem.posed(

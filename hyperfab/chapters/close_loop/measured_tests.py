@@ -199,11 +199,12 @@ def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> 
     found: list[TestCurve] = []
     parts = [(number, test.take(rows)) for number, rows in enumerate(_runs(test))]
     if steps != Steps():
-        prepared: list[tuple[int, TestData]] = []
         told: list[str] = []
-        for number, part in parts:
-            kept = prepare([part], steps, measured.left_out, told, nothing_left=True)
-            prepared += [(number, one) for one in kept]
+        prepared = [
+            (number, one)
+            for number, part in parts
+            for one in prepare([part], steps, measured.left_out, told, nothing_left=True)
+        ]
         if not prepared:
             prepare([test], steps, Counter(), [])  # says why
         measured.preparation += [one for one in dict.fromkeys(told) if one not in measured.preparation]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from hyperfab.arrays import Ints
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.fitting import fit
+from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.known import FilesProblem
 from hyperfab.loop.problem import Problem
 from hyperfab.loop.thresholds import FEWEST, MARGIN, SHARE, SMALL
@@ -63,8 +64,7 @@ def another_zero(problem: Problem, found: Finding) -> list[str]:
         loose = problem.counting_from_anywhere(way.name)
         freed = fit(loose, found.noise, {}, before.x)
         zero, farthest = float(freed.x[place]), loose.own[place].high
-        beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
-        if beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2) and way.high < abs(zero) < farthest:
+        if _is_all(before, freed, read) and way.high < abs(zero) < farthest:
             told.append(
                 f"Were {way.name} {zero:.3g} mm, though known to {way.prior_sd:.2g} mm, the model would meet "
                 "these readings without any effect: look again where the machine counts from before anything is said "
@@ -97,13 +97,17 @@ def untared(problem: Problem, found: Finding) -> list[str]:
         if abs(step) < 1e-3 * abs(offset):
             break
     read = np.flatnonzero(unit)
-    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
     largest = 0.5 * float(np.max(np.abs(problem.measured[read])))
-    if beyond <= SMALL**2 or left > max(SHARE * beyond, SMALL**2) or abs(offset) > largest:
-        return []
-    if freed.chi2 > found.after.fit.chi2 + MARGIN:
+    better = freed.chi2 <= found.after.fit.chi2 + MARGIN
+    if not (_is_all(before, freed, read) and abs(offset) <= largest and better):
         return []
     return [
         f"Were the load cell {abs(offset):.3g} N too {'high' if offset > 0.0 else 'low'} throughout, the model would "
         "meet these readings without any effect: look at its zero before anything is said to lack."
     ]
+
+
+def _is_all(before: Fit, freed: Fit, read: Ints) -> bool:
+    """Whether what the rows ``read`` are missed by is hardly there any more once a fit is freed."""
+    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
+    return beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2)

@@ -81,7 +81,7 @@ class PressChain:
     def __init__(self, job: Job, case: PressCase, share: float) -> None:
         self.job, self.case, self.share = job, replace(case, uncertainty=None), share
         self.asked = case
-        self.behind = list(self._documents())
+        self.behind = self._documents()
         self.sources = {one.chapter: one.source for one in reversed(self.behind)}
         self.left_out: list[str] = []
         if case.drape is not None:
@@ -101,11 +101,11 @@ class PressChain:
             self.case = replace(self.case, tilt=None)
         given |= self.foam
         self.quiet = replace(job, console=Listener(), inputs=Overlay(given))
-        self.files = read_files(self.quiet, self.case)
-        self.model = model_of(self.quiet, self.case, self.files)
+        self.model = model_of(self.quiet, self.case, read_files(self.quiet, self.case))
         self.result = solve(self.quiet, self.model)
         self.closed = self.result.closed
-        self.origins, self.owners = Origins(), dict[str, list[int]]()
+        #: What may be off, and the chapter of each.
+        self.origins, self.chapters = Origins(), list[str]()
         self._own()
         self._handed()
         near = beside(self.quiet, self.model, self.closed, self.origins)
@@ -224,16 +224,14 @@ class PressChain:
     def _handed(self) -> None:
         """Add what the documents behind hand on; a number that acts by way of several is one."""
         for one in self.behind:
-            known = len(self.origins.found)
             join(self.origins, self.quiet.inputs, [one.file])
-            for place in range(known, len(self.origins.found)):
-                chapter = self.more.get(self.origins.found[place].ids[0], one.chapter)
-                self.owners.setdefault(chapter, []).append(place)
+            new = self.origins.found[len(self.chapters) :]
+            self.chapters += [self.more.get(origin.ids[0], one.chapter) for origin in new]
         # A document that hands nothing on cannot be at fault here.
         self.left_out += self.origins.left_out
 
     def _add(self, chapter: str, one: Origin) -> None:
-        self.owners.setdefault(chapter, []).append(len(self.origins.found))
+        self.chapters.append(chapter)
         self.origins.found.append(one)
 
     def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
@@ -253,9 +251,8 @@ class PressChain:
             )
 
         links = []
-        for chapter, owned in self.owners.items():
-            if not owned:
-                continue
+        for chapter in dict.fromkeys(self.chapters):
+            owned = [k for k, one in enumerate(self.chapters) if one == chapter]
             sources = [self.origins.found[k] for k in owned]
             cuts = np.cumsum([len(one.numbers) for one in sources])[:-1]
 
