@@ -302,6 +302,12 @@ def test_a_force_per_width_keeps_its_unit_where_the_thickness_is_none(hf: Run, m
     assert "MPa (" not in told
 
 
+def test_a_force_per_width_in_another_unit_is_asked_about_in_its_own(hf: Run, model: Path) -> None:
+    (model / "m.json").write_text(json.dumps({**MODEL, "thickness_mm": 1.0, "thickness_nominal": True}))
+    _, told = closed(hf, model, [write(model, "a.csv", unit="N/mm", gain=30.0)])
+    assert "readings in N/mm are" in told
+
+
 def test_a_modulus_that_no_material_has_is_not_given(hf: Run, model: Path) -> None:
     """Curves flat at rest, one a direction: unbounded constants would begin with a negative modulus."""
     rng, files = np.random.default_rng(0), []
@@ -464,13 +470,15 @@ def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(beside:
 
 def test_the_noise_of_readings_set_apart_is_that_of_all_others_of_their_kind() -> None:
     """Where it goes with the reading that of the first row is the least; what is known of constants is no reading."""
-    problem = SimpleNamespace(channel=np.array([0, 0, 0, 1, 0, 0]), predict=lambda own, terms: np.arange(6.0))
+    problem = SimpleNamespace(
+        channel=np.array([0, 0, 0, 1, 0, 0]), predict=lambda own, terms: np.arange(6.0), units=("N",)
+    )
     fit = SimpleNamespace(x=np.zeros(1), own=1, terms={})
     noise = SimpleNamespace(sd=np.array([0.1, 0.5, 0.7, 1.0]), gain_sd=0.0)
     state = SimpleNamespace(fit=fit)
     found = SimpleNamespace(before=state, after=state, noise=noise)
     apart = Apart(problem, slice(4, None), np.array([4.5, 4.5]))  # type: ignore[arg-type]
-    errors = errors_apart(apart, found, "N")  # type: ignore[arg-type]
+    errors = errors_apart(apart, found)  # type: ignore[arg-type]
     assert errors.noise.rms == pytest.approx(np.sqrt((0.01 + 0.25 + 0.49) / 3.0))
     assert errors.after.rms == pytest.approx(0.5)
 

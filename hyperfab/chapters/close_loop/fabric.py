@@ -94,16 +94,16 @@ def run(job: Job, given: Given) -> int:
     doubts = [*_nearly(model), *_soft(model)]
     tests.warnings += doubts
     job.console.warn(*doubts)
-    result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
+    result = describe(problem, found, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
-        result.held_out = errors_apart(apart, found, tests.unit, len(held_out.tests))
+        result.held_out = errors_apart(apart, found, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
         model.validity = _closed_on(given.measured, tests)
         out.add(".model.json", dump_json(job.stated(model, out.target, given.case)))
         result.model = out.path(".model.json").name
-        _files(job, out, problem, found, tests.unit)
+        _files(job, out, problem, found)
     return write(job, out, given, found, result)
 
 
@@ -159,6 +159,7 @@ def pose(
         fixed=tuple(fix),
         prior=prior,
         reference_degC=reference,
+        units=(tests.unit, ""),
     )
 
 
@@ -231,8 +232,8 @@ def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
     return Apart(wider, slice(begin, begin + len(measured)), measured)
 
 
-def _files(job: Job, out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
-    out.add(".csv", curves_csv(job, problem, found, unit))
+def _files(job: Job, out: Output, problem: FabricProblem, found: Finding) -> None:
+    out.add(".csv", curves_csv(job, problem, found))
     axis = Axis(problem.fabric.path.stretch, "stretch")
     widths = [curve for curve in problem.curves if curve.channel == 1]
-    out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}, widths))
+    out.add(".png", picture(problem, found, axis, problem.units[0], {"mode": MODE_NAMES}, widths))

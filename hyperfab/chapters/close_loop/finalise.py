@@ -116,11 +116,11 @@ def finish(
         other = instead(problem, found, tick)
         if other is not None:
             problem, found, extend, upstream = other.problem, other.found, other.extend, other.upstream
-        result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
+        result = describe(problem, found, gone, warnings, domain=domain)
         if other is not None:
             other.tell(result)
         if apart:
-            result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0])
+            result.held_out = errors_apart(set_apart(problem, apart), found)
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
@@ -159,7 +159,7 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float =
     return tick
 
 
-def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = None) -> Errors:
+def errors_apart(apart: Apart, found: Finding, tests: int | None = None) -> Errors:
     """Return the error on readings that were set apart, before and after, beside the noise of the others of their kind,
     the first."""
     before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
@@ -167,7 +167,7 @@ def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = No
     sd = float(np.sqrt(np.mean(found.noise.sd[:start][apart.problem.channel[:start] == 0] ** 2)))
     # The specimens set apart scatter as the others do.
     spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
-    return errors_of(apart.measured, before, after, spread, unit, tests, OF_FILES)
+    return errors_of(apart.measured, before, after, spread, apart.problem.units[0], tests, OF_FILES)
 
 
 def close_rounds(

@@ -84,7 +84,7 @@ def run(job: Job, given: Given) -> int:
     left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
     left_out |= {f"{name} off its neighbours": count for name, count in read.glitches.items()}
     job.console.warn(*odd)
-    result = describe(problem, found, "K", left_out, odd, domain="heat")
+    result = describe(problem, found, left_out, odd, domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}
