@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.chapters.close_loop.describe import errors_of, evidence_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward, pose_sheet
-from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, apart_of, close_rounds
+from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, close_rounds
 from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.validity import Ranges
 from hyperfab.documents.loop import AddedEffect, LoopDocument
@@ -74,7 +74,7 @@ class InsteadOfNet:
         coupled, files = membrane_of(self.forward), self.files
         draped = pose_sheet(coupled, lambda share: tick("the fabric as a membrane"))
         posed = drape_problem(draped, files.plain, prior=self.given.surely, fixed=self.given.case.fix)
-        posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=apart_of(files))
+        posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=files.misses)
         if other.verdict == "unexplained":
             return None
         own = found.before.fit.x[: found.before.fit.own]

@@ -28,6 +28,7 @@ from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.hyperfoam import ORDERS
@@ -81,12 +82,8 @@ def run(job: Job, given: Given) -> int:
     _note_ranges(job, document, given.name, tests)
     apart = None if held_out is None else _set_apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
-        found = close(
-            problem,
-            noise=level,
-            tick=ticking(advance, 0.0, _REFITS),
-            apart=None if apart is None else apart.misses,
-        )
+        misses = none_apart if apart is None else apart.misses
+        found = close(problem, noise=level, tick=ticking(advance, 0.0, _REFITS), apart=misses)
     model = extend(document, problem, found.after.fit, problem.law)
     tell_sure(model, found, lambda fit: extend(document, problem, fit, problem.law), len(problem.tests))
     model.format = model.format_name()

@@ -30,6 +30,7 @@ from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import FilesProblem
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.search import Search
@@ -112,7 +113,7 @@ def finish(
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3)
-        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=apart_of(files))
+        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=files.misses)
         other = instead(problem, found, tick)
         if other is not None:
             problem, found, extend, upstream = other.problem, other.found, other.extend, other.upstream
@@ -133,11 +134,6 @@ def finish(
     result.summary += traced
     job.console.note(*traced)
     return write(job, out, given, found, result)
-
-
-def apart_of(files: Files[Any]) -> Callable[[Any], Callable[[Fit], float]] | None:
-    """Return what says how far a model misses the readings that were set apart, of a problem; None where none were."""
-    return (lambda posed: set_apart(posed, files.apart).misses) if files.apart else None
 
 
 def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocument) -> int:
@@ -176,7 +172,7 @@ def close_rounds(
     rounds: Callable[[P, Finding], P | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
-    misses: Callable[[P], Callable[[Fit], float]] | None = None,
+    misses: Callable[[P], Callable[[Fit], float]] = lambda problem: none_apart,
 ) -> tuple[P, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
 
@@ -186,8 +182,7 @@ def close_rounds(
     """
 
     def anew(posed: P) -> Finding:
-        apart = None if misses is None else misses(posed)
-        closed = partial(close, posed, tick=tick, design=design, apart=apart)
+        closed = partial(close, posed, tick=tick, design=design, apart=misses(posed))
         level = noise(posed, None)
         found = closed(noise=level)
         less = noise(posed, found.after.fit.predicted)

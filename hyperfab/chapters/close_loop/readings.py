@@ -21,6 +21,7 @@ from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity, quantity_of
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens
 from hyperfab.loop.problem import Problem
@@ -61,6 +62,10 @@ class Files(Generic[F]):
     def plain(self) -> list[F]:
         """The measured files without what they say of their noise."""
         return [one for one, _ in self.measured]
+
+    def misses(self, problem: FilesProblem[F]) -> Callable[[Fit], float]:
+        """Return what says how far a model misses the readings that were set apart; by nothing where none were."""
+        return set_apart(problem, self.apart).misses if self.apart else none_apart
 
     def noise(self, problem: FilesProblem[F], predicted: Array | None) -> Noise:
         """Return the noise of the files less what a model predicts (the model as it is where None).
