@@ -268,29 +268,23 @@ def _model(job: Job, out: Output, loop: Given, extension: Extension, result: Loo
 
 
 def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
-    first = problem.channel == 0
-    unit = problem.units[0]
-    before, after = found.before.fit.predicted, found.after.fit.predicted
+    figures = np.column_stack([problem.measured, found.before.fit.predicted, found.after.fit.predicted, found.noise.sd])
     quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
     units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
     head = [column(*[*axis.label.removesuffix("]").split(" ["), ""][:2])]
     head += [column(name, one) for one in units for name in ("measured", "before", "after", "noise_sd")]
-    rows = []
-    place = np.full(len(problem.measured), np.nan)
-    place[np.flatnonzero(first)] = axis.values
     where = [name for name in (*PLACES, "axis") if name in problem.states and name not in head]
-    at = np.full((len(problem.measured), len(where)), np.nan)
-    if where:
-        at[first] = np.stack([problem.states[name] for name in where], axis=1)
+    at = np.full((len(problem.measured), 1 + len(where)), np.nan)
+    at[problem.channel == 0] = np.column_stack([axis.values, *(problem.states[name] for name in where)])
+    rows = []
     for curve in quantities:
-        own = units.index(problem.units[curve.channel])
-        file = job.named(curve.name)
-        gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
-        for i in range(curve.start, curve.stop):
-            values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
-            rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], file])
+        # Readings of each unit have columns of their own.
+        told = np.full((len(curve.places), len(units), 4), np.nan)
+        told[:, units.index(problem.units[curve.channel])] = figures[curve.rows]
+        file, places = job.named(curve.name), at[curve.rows]
+        rows += [(there[0], *one.ravel(), *there[1:], file) for there, one in zip(places, told, strict=True)]
     out.add(".csv", csv_bytes([*head, *where, "file"], rows, digits=8))
-    out.add(".png", picture(problem, found, axis, unit))
+    out.add(".png", picture(problem, found, axis, problem.units[0]))
 
 
 def picture(

@@ -319,14 +319,8 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
     before, after = found.before.fit.predicted, found.after.fit.predicted
     rows, count = len(read.times), len(read.names)
     head = ["time_s"] + [f"{n}_{w}_degC" for n in read.names for w in ("measured", "before", "after")]
-    lines = []
-    place = np.full(rows * count, -1)
-    place[problem.runs[0].kept] = np.arange(len(problem.measured))
-    for i in range(rows):
-        cells = [read.times[i]]
-        for probe in range(count):
-            at = place[probe * rows + i]
-            cells += [v[at] if at >= 0 else None for v in (problem.measured, before, after)]
-        lines.append(cells)
-    out.add(".csv", csv_bytes(head, lines, digits=8))
+    told = np.full((3, count * rows), np.nan)
+    told[:, problem.runs[0].kept] = problem.measured, before, after
+    columns = told.reshape(3, count, rows).transpose(2, 1, 0).reshape(rows, 3 * count)
+    out.add(".csv", csv_bytes(head, list(np.column_stack([read.times, columns])), digits=8))
     out.add(".png", picture(problem, found, Axis.of(problem, "time_s"), "degC", {"probe": read.names}))
