@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import stdtr
@@ -26,16 +27,11 @@ def pulls(curves: Sequence[Curve]) -> list[Curve]:
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
     """Return pairs of curves that were led the same way."""
-    setups: dict[tuple[str, int], list[Curve]] = {}
+    setups: dict[str, list[Curve]] = {}
     for curve in curves:
-        if curve.setup:
-            setups.setdefault((curve.setup, curve.channel), []).append(curve)
-    return [
-        (members[i], members[i + 1])
-        for members in setups.values()
-        for i in range(len(members) - 1)
-        if members[i].channel == channel
-    ]
+        if curve.setup and curve.channel == channel:
+            setups.setdefault(curve.setup, []).append(curve)
+    return [pair for members in setups.values() for pair in pairwise(members)]
 
 
 def ride(groups: Sequence[tuple[Array, Array]], tried: int) -> bool:
