@@ -415,8 +415,7 @@ def test_a_thermocouple_that_jumps_for_a_row_or_two_is_told_and_left_out(
     read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a", "b"], PLAIN)
     assert np.flatnonzero(~np.isfinite(read.readings[:, 0])).tolist() == list(rows)
     assert np.all(np.isfinite(read.readings[:, 1]))
-    assert read.glitches == {"a": len(rows)}
-    assert read.missing == {}
+    assert read.left_out == {"a off its neighbours": len(rows)}
     assert "t.csv, line 32: a reads" in capsys.readouterr().err
 
 

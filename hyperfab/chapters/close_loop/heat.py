@@ -81,10 +81,8 @@ def run(job: Job, given: Given) -> int:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
         found, odd = looked_through(problem, close(problem, noise=level, tick=ticking(advance, 0.2)))
-    left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
-    left_out |= {f"{name} off its neighbours": count for name, count in read.glitches.items()}
     job.console.warn(*odd)
-    result = describe(problem, found, left_out, odd, domain="heat")
+    result = describe(problem, found, read.left_out, odd, domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}
