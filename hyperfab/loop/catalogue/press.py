@@ -129,14 +129,14 @@ def foam_relaxation(context: DataContext) -> PressEffect:
 
 def _fade(press: Changes, at: Mapping[str, float]) -> None:
     """Let the pressure fade while it is held, or throughout where no time is known."""
+    press.left.append(lambda reading: 1.0 - at["share"] * _come(at, reading))
 
-    def left(reading: Reading) -> Array | float:
-        if "time_s" not in at or reading.time_s is None:
-            return 1.0 - at["share"]
-        gone = np.expm1(-((reading.time_s / at["time_s"]) ** at.get("power", 1.0)))
-        return np.asarray(1.0 + at["share"] * gone)
 
-    press.left.append(left)
+def _come(at: Mapping[str, float], reading: Reading) -> Array | float:
+    """Return the share of what comes in time that is there when a reading is taken; all where no time is known."""
+    if "time_s" not in at or reading.time_s is None:
+        return 1.0
+    return np.asarray(-np.expm1(-((reading.time_s / at["time_s"]) ** at.get("power", 1.0))))
 
 
 def foam_shrinkage(context: DataContext) -> PressEffect:
@@ -160,13 +160,7 @@ def foam_shrinkage(context: DataContext) -> PressEffect:
 
 def _shrink(press: Changes, at: Mapping[str, float]) -> None:
     """Let the foam lose thickness in time, or have lost it from the first where no time is known."""
-
-    def lost(reading: Reading) -> Array | float:
-        if "time_s" not in at or reading.time_s is None:
-            return at["amount"]
-        return np.asarray(-at["amount"] * np.expm1(-reading.time_s / at["time_s"]))
-
-    press.lost.append(lost)
+    press.lost.append(lambda reading: at["amount"] * _come(at, reading))
 
 
 def foam_softening(context: DataContext) -> PressEffect:
