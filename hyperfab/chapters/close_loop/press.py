@@ -308,12 +308,7 @@ def plan_of(told: PressResult) -> Array:
     low, high = drawn.min(axis=0), drawn.max(axis=0)
     half = np.where(high > low, 0.5 * (high - low), 1.0)
     scaled = (told.frame.outward(told.closed.cold) - 0.5 * (low + high)) / half
-    return np.asarray(scaled[:, across(told)])
-
-
-def across(told: PressResult) -> list[int]:
-    """Return the drawing's axes across the closing axis."""
-    return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
+    return np.asarray(scaled[:, [i for i, axis in enumerate("xyz") if axis != told.frame.axis]])
 
 
 def on_front(front: Surface, frame: PressFrame, reading: Reading) -> Reading:

@@ -17,7 +17,6 @@ from hyperfab.loop.press import STROKE_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
 from hyperfab.loop.press_table import PressTable, press_table
 from hyperfab.loop.upstream import Readings
-from hyperfab.pressing.closing import Closed
 from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.nearby import Found
 from hyperfab.pressing.sandwich import Sandwich
@@ -46,7 +45,8 @@ class Pushed:
         table, few, correction = press_table(closed, plan_of(told), travel, 0.0)
         exact, summed = few.force(table.openings) * correction, _sum(table)
         exactness = np.divide(exact, summed, out=np.ones(len(exact)), where=summed > 0.0)
-        return cls(table, exactness, _compliance(closed), closed.pose.opening, closed.contact.gap)
+        compliance = 0.0 if closed.case.frame is None else 1.0 / closed.case.frame
+        return cls(table, exactness, compliance, closed.pose.opening, closed.contact.gap)
 
     def force(self, stroke: Array, found: Found | None = None, sandwich: Sandwich | None = None) -> Array:
         """Return the force (m,) [N] at strokes (m,) [mm] from the first touch on, as the machine reads them; of a press
@@ -73,11 +73,6 @@ def _sum(table: PressTable) -> Array:
     """Return the force (k,) [N] at the openings of the table."""
     pressure = np.stack([table.sandwich.pressure(gap) for gap in table.gap])
     return np.asarray(np.sum(pressure * table.push, axis=1))
-
-
-def _compliance(closed: Closed) -> float:
-    """Return how far the frame yields [mm/N]."""
-    return 0.0 if closed.case.frame is None else 1.0 / closed.case.frame
 
 
 def on_press(front: Surface, frame: PressFrame, reading: Reading) -> Reading:
