@@ -14,7 +14,6 @@ from hyperfab.chapters.close_loop.describe import errors_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.upstream_written import Corrected, write
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
 from hyperfab.errors import NotConverged
 from hyperfab.io.output import Output
@@ -45,10 +44,11 @@ _HAS = {
 
 @dataclass(frozen=True)
 class Link(Chapter):
-    """A chapter of a model with its ``document``, and the ``numbers`` (k) of that which may be off."""
+    """A chapter of a model with its ``document``, and the ``numbers`` (k) of that which may be off, as its chain has
+    them: each with its name."""
 
     document: str
-    numbers: tuple[Number, ...]
+    numbers: tuple[Any, ...]
 
 
 class Chain(Protocol):

@@ -16,8 +16,6 @@ from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, TOGETHER
 from hyperfab.chapters.close_loop.upstream import Link, add
 from hyperfab.chapters.close_loop.upstream_written import Corrected
-from hyperfab.chapters.uncertainty.changed import Changed
-from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -37,11 +35,7 @@ class Moved:
 
     name: str
     sd: float
-    file: str | None = None
     size: float = 1.0
-
-    def move(self, inputs: Changed, change: float) -> None:
-        """Nothing: the chain is put right as a whole."""
 
 
 class DrapeChain:
@@ -57,9 +51,8 @@ class DrapeChain:
         draped, material = self.problem.draped, self.forward.material
         fabric = []
         if material is not None:
-            file, known = self.forward.case.material, material.parameters
             fabric = [
-                Moved(name, self.share * float(far), file, float(known.get(name, 1.0)))
+                Moved(name, self.share * float(far), float(material.parameters.get(name, 1.0)))
                 for name, far in zip(draped.names, self.forward.widths, strict=True)
             ]
         return {
@@ -95,10 +88,9 @@ class DrapeChain:
 
         return predict
 
-    def _moved(self, numbers: Sequence[Number], change: Array) -> tuple[Array, dict[str, float]]:
+    def _moved(self, numbers: Sequence[Moved], change: Array) -> tuple[Array, dict[str, float]]:
         """Return the loop's own constants, and what is added to the emulator's settings."""
-        moved = [(one, float(v)) for one, v in zip(numbers, change, strict=True) if isinstance(one, Moved)]
-        by = {one.name: v / one.size for one, v in moved}
+        by = {one.name: float(v) / one.size for one, v in zip(numbers, change, strict=True)}
         own = np.array([one.value + by.pop(one.name, 0.0) for one in self.problem.own])
         return own, by
 
