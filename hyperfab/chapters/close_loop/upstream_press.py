@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from hyperfab.chapters.close_loop.handing import More, handing, hands_on, slope,
 from hyperfab.chapters.close_loop.press import closed_press
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Link, add
-from hyperfab.chapters.close_loop.upstream_readings import is_traced, on_press, over_stroke, placed, seen
+from hyperfab.chapters.close_loop.upstream_readings import is_traced, placed, seen_in
 from hyperfab.chapters.close_loop.upstream_written import Corrected, names_layer
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
@@ -57,7 +56,6 @@ from hyperfab.io.toml_io import dump_toml
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import GAP_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
-from hyperfab.surface import Surface
 
 #: What both molds' temperature is off by [K], where nothing is stated, and one that is known as a whole only.
 _KELVINS = 5.0
@@ -101,14 +99,13 @@ class PressChain:
             self.case = replace(self.case, tilt=None)
         given |= self.foam
         self.quiet = replace(job, console=Listener(), inputs=Overlay(given))
-        self.model = model_of(self.quiet, self.case, read_files(self.quiet, self.case))
-        self.result = solve(self.quiet, self.model)
-        self.closed = self.result.closed
+        model = model_of(self.quiet, self.case, read_files(self.quiet, self.case))
+        self.result = solve(self.quiet, model)
         #: What may be off, and the chapter of each.
         self.origins, self.chapters = Origins(), list[str]()
         self._own()
         self._handed()
-        near = beside(self.quiet, self.model, self.closed, self.origins)
+        near = beside(self.quiet, model, self.result.closed, self.origins)
         if near is None:
             raise UsageError(
                 "--upstream: molds that a field of temperature deforms are traced from a sure reference only: state "
@@ -236,19 +233,11 @@ class PressChain:
 
     def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
         """Return what the press shows at readings as its documents are, and each chapter."""
-        front = Surface(self.closed.cold, self.closed.front.faces)
-        there = [on_press(front, self.model.files.frame, one) for one in readings]
-        pushed = over_stroke(self.result, readings)
+        seen = seen_in(self.result, readings)
 
         def shown(changes: Mapping[int, Array]) -> Array:
             found, sandwich = self.near.close(changes)
-            return seen(
-                there,
-                sandwich,
-                found.gap,
-                found.touch,
-                None if pushed is None else partial(pushed.force, found=found, sandwich=sandwich),
-            )
+            return seen(sandwich, found.gap, found.touch, found)
 
         links = []
         for chapter in dict.fromkeys(self.chapters):
@@ -277,11 +266,8 @@ class PressChain:
         case: PressCase = corrected.case  # type: ignore[assignment]
         job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
         told = closed_press(job, case)[0]
-        closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
-        there = [on_press(front, told.frame, one) for one in readings]
-        pushed = over_stroke(told, readings)
-        force = None if pushed is None else pushed.force
-        return corrected, seen(there, closed.press.sandwich, closed.contact.gap, closed.touch, force)
+        closed = told.closed
+        return corrected, seen_in(told, readings)(closed.press.sandwich, closed.contact.gap, closed.touch)
 
     def _corrected(self, link: Link, change: Array) -> Corrected:
         """Return the chain put right: its case and the files that are other than on disk."""
