@@ -114,12 +114,6 @@ class PressProblem(FilesProblem[Reading]):
         load = loads(now.table, SetPress(now, self.setting, value, self._sum).opening, np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
 
-    @cached_property
-    def largest_force(self) -> float:
-        """The force [N] at the setting, as the model is."""
-        now = self._moved(self.as_stated(self.given), Changes())
-        return float(self._sum.force(now, np.array([self.setting.opening]))[0])
-
     def force_at(self, own: Array, terms: Mapping[str, tuple[str, Array]], time_s: float) -> float:
         """Return the force [N] that the press closes with, with ``terms``, a time after the foam was first pressed."""
         value = self.as_stated(own)
@@ -130,7 +124,9 @@ class PressProblem(FilesProblem[Reading]):
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be read next."""
-        loudest = {"force": self.largest_force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
+        now = self._moved(self.as_stated(self.given), Changes())
+        force = float(self._sum.force(now, np.array([self.setting.opening]))[0])
+        loudest = {"force": force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
         for one in self.files:
             if one.kind in loudest:
                 same = [np.max(np.abs(other.values)) for other in self.files if other.kind == one.kind]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import TypeGuard
 
 import numpy as np
@@ -239,15 +240,14 @@ def _touching(document: MoldDocument, built: Problem) -> list[tuple[str, str]]:
     names = [part.name for part in document.part]
     declared = {frozenset(contact.between) for contact in document.contact}
     found = []
-    for i, one in enumerate(names):
-        for other in names[i + 1 :]:
-            if frozenset((one, other)) in declared:
-                continue
-            try:
-                built.faces.interface(one, other)
-            except InputError:
-                continue
-            found.append((one, other))
+    for one, other in combinations(names, 2):
+        if frozenset((one, other)) in declared:
+            continue
+        try:
+            built.faces.interface(one, other)
+        except InputError:
+            continue
+        found.append((one, other))
     return found
 
 

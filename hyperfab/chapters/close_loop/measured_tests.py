@@ -166,12 +166,9 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
         ):
             if doubt.kind not in _UNSOUND or test.mode == "volumetric":
                 continue
-            rows = np.array(doubt.rows)
-            gone = np.zeros(len(sound), dtype=bool)
-            gone[rows[0] if doubt.kind == "step-back" else rows] = True
-            gone = np.maximum.accumulate(gone) if doubt.kind == "step-back" else gone
-            found.left_out[f"{test.source}: {_UNSOUND[doubt.kind]}"] += int(np.count_nonzero(gone & sound))
-            sound &= ~gone
+            gone = slice(doubt.rows[0], None) if doubt.kind == "step-back" else list(doubt.rows)
+            found.left_out[f"{test.source}: {_UNSOUND[doubt.kind]}"] += int(np.count_nonzero(sound[gone]))
+            sound[gone] = False
         if sound.all():
             kept.append(test)
         elif np.count_nonzero(sound) > 1:
