@@ -173,22 +173,19 @@ def press_problem(
     kinds = list(dict.fromkeys(reading.kind for reading in readings))
     parts: list[Reading] = []
     for one in readings:
-        reading = replace(one, index=np.arange(len(one.values)))
-        if reading.kind in ("fabric", "mounting"):
-            parts.append(reading)
-            continue
-        if reading.places is None:
+        index = np.arange(len(one.values))
+        if one.kind in ("fabric", "mounting"):
+            cut = [index]
+        elif one.places is None:
             # Along the stroke, and at a hold along the time.
-            count = max(1, min(4, len(reading.values) // _SEGMENT))
-            parts += [reading.rows(rows) for rows in np.array_split(np.arange(len(reading.values)), count)]
-            continue
-        parts += [reading.rows(rows) for rows in patches(reading.places)]
+            cut = np.array_split(index, max(1, min(4, len(index) // _SEGMENT)))
+        else:
+            cut = patches(one.places)
+        parts += [replace(one, index=index).rows(rows) for rows in cut]
     constants = [Constant("foam.compression", 1.0, 0.05, 20.0, 0.1, prior)]
     if any(reading.kind in THERE for reading in readings):
-        named = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD)
-        if setting.force is not None:
-            named = ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
-        constants.append(Constant(*named))
+        gap, force = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD), ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
+        constants.append(Constant(*(gap if setting.force is None else force)))
     if "force" in kinds:
         constants.append(Constant("stroke.zero", 0.0, -1.0, 1.0, 0.02, STROKE_SD))
     constants.append(Constant("foam.thickness", 1.0, 0.5, 2.0, 0.02, THICKNESS_SD))
