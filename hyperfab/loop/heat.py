@@ -254,13 +254,11 @@ def _curve(name: str, first: int, times: Array, kept: Ints, jumps: Ints) -> Curv
     return Curve(name, int(start), int(stop), times[kept[start:stop] - first], tuple(inside))
 
 
-def _reach(kind: str, prior: float) -> float:
-    return prior * _FARTHEST.get(kind, _FAR)
-
-
-def least_of(kind: str, prior: float) -> float:
-    """Return the least factor that a constant of a kind may take, whose relative standard deviation is ``prior``."""
-    return max(1.0 - _reach(kind, prior), 0.05)
+def bounds_of(kind: str, prior: float) -> tuple[float, float]:
+    """Return the least and the greatest factor that a constant of a kind may take, whose relative standard deviation is
+    ``prior``."""
+    reach = prior * _FARTHEST.get(kind, _FAR)
+    return max(1.0 - reach, 0.05), 1.0 + reach
 
 
 def heat_problem(
@@ -282,13 +280,7 @@ def heat_problem(
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
-        else Constant(
-            key,
-            1.0,
-            *((1.0, 1.0) if key in fixed else (least_of(kind, prior), 1.0 + _reach(kind, prior))),
-            0.1,
-            prior,
-        )
+        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else bounds_of(kind, prior)), 0.1, prior)
         for key, kind in own
     )
     rows, count = len(times), len(names)

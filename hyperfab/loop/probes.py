@@ -48,7 +48,8 @@ def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[
         bare = replace(
             found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[]
         )
-        was, now = (float(np.sqrt(np.mean(left**2))) for left in (_left(problem, found.before.fit), better))
+        left = problem.measured - found.before.fit.predicted
+        was, now = (float(np.sqrt(np.mean(one**2))) for one in (left, better))
         return bare, [
             f"{one} and {other} look exchanged: with the columns of the two the other way round the model misses by "
             f"{now:.3g} K with nothing added, {was:.3g} K as they are; check which probe is where, and exchange them"
@@ -69,10 +70,6 @@ def _begun(problem: HeatProblem) -> Iterator[str]:
             f"the log begins {abs(float(np.mean(off))):.3g} K {which} than the document says; "
             "give run.start what the probes read then"
         )
-
-
-def _left(problem: HeatProblem, fitted: Fit) -> Array:
-    return problem.measured - fitted.predicted
 
 
 def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | None:
@@ -117,7 +114,8 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
 
 def _of_one(problem: HeatProblem, curve: Curve, fitted: Fit) -> str:
     """Return what is told of the probe that the others foretell otherwise."""
-    off, shown = _left(problem, fitted)[curve.rows], fitted.predicted[curve.rows]
+    shown = fitted.predicted[curve.rows]
+    off = problem.measured[curve.rows] - shown
     rms = float(np.sqrt(np.mean(off**2)))
     shapes = [np.ones(len(off)), -np.gradient(shown, curve.abscissa)]
     if "above ambient_K" in problem.states:

@@ -28,7 +28,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
-from hyperfab.loop.heat import HeatProblem, heat_problem, least_of
+from hyperfab.loop.heat import HeatProblem, bounds_of, heat_problem
 from hyperfab.loop.probes import looked_through
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -137,7 +137,7 @@ def pose(
     mold = reduce(
         model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
-        conducting=(1.0, least_of("conductivity", prior)), zones=_ZONES,
+        conducting=(1.0, bounds_of("conductivity", prior)[0]), zones=_ZONES,
     )  # fmt: skip
     if read.power is not None and any(heater.control is not None for heater in document.heater):
         mold = _drawn(mold, document, read.times, read.power)
