@@ -11,7 +11,7 @@ import numpy as np
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended import extend, held_terms, in_terms
-from hyperfab.chapters.close_loop.finalise import Axis, errors_apart, picture, ticking, write
+from hyperfab.chapters.close_loop.finalise import errors_apart, picture, ticking, write
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
@@ -231,6 +231,5 @@ def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
 
 def _files(job: Job, out: Output, problem: FabricProblem, found: Finding) -> None:
     out.add(".csv", curves_csv(job, problem, found))
-    axis = Axis(problem.fabric.path.stretch, "stretch")
     widths = [curve for curve in problem.curves if curve.channel == 1]
-    out.add(".png", picture(problem, found, axis, problem.units[0], {"mode": MODE_NAMES}, widths))
+    out.add(".png", picture(problem, found, "stretch", problem.units[0], {"mode": MODE_NAMES}, widths))

@@ -72,20 +72,6 @@ class Instead(Generic[P]):
     tell: Callable[[LoopDocument], None]
 
 
-@dataclass(frozen=True)
-class Axis:
-    """What the curves are drawn over: values of the rows of the first channel, and their label."""
-
-    values: Array
-    label: str
-
-    @classmethod
-    def of(cls, problem: Problem, state: str = "") -> Axis:
-        """Return a state of the readings as the axis: the first where none is named."""
-        name = state or next(iter(problem.states))
-        return cls(problem.states[name], name.replace("_", " [") + "]")
-
-
 def finish(
     job: Job,
     out: Output,
@@ -102,9 +88,10 @@ def finish(
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
-    ``axis`` is the state that the curves are drawn over. ``rounds`` returns the problem posed anew around a finding (a
-    better linearisation), or None where it is good. ``upstream`` traces the misfit to the documents behind the model
-    and returns what it says. ``instead`` returns another kind of model where that carries what this one does not.
+    ``axis`` is the state that the curves are drawn over: the first where none is named. ``rounds`` returns the
+    problem posed anew around a finding (a better linearisation), or None where it is good. ``upstream`` traces the
+    misfit to the documents behind the model and returns what it says. ``instead`` returns another kind of model
+    where that carries what this one does not.
     """
     domain, gone, apart = stated_kind(given.data), dict(files.left_out), files.apart
     check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
@@ -130,7 +117,7 @@ def finish(
         if out.wants_files:
             tick("the extended model")
             _model(job, out, given, extend(found), result, caution(found))
-            _files(job, out, problem, found, Axis.of(problem, axis))
+            _files(job, out, problem, found, axis or next(iter(problem.states)))
     result.summary += traced
     job.console.note(*traced)
     return write(job, out, given, found, result)
@@ -267,15 +254,15 @@ def _model(job: Job, out: Output, loop: Given, extension: Extension, result: Loo
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
 
 
-def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
+def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: str) -> None:
     figures = np.column_stack([problem.measured, found.before.fit.predicted, found.after.fit.predicted, found.noise.sd])
     quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
     units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
-    head = [column(*[*axis.label.removesuffix("]").split(" ["), ""][:2])]
+    head = [axis.replace(" ", "_")]
     head += [column(name, one) for one in units for name in ("measured", "before", "after", "noise_sd")]
     where = [name for name in (*PLACES, "axis") if name in problem.states and name not in head]
     at = np.full((len(problem.measured), 1 + len(where)), np.nan)
-    at[problem.channel == 0] = np.column_stack([axis.values, *(problem.states[name] for name in where)])
+    at[problem.channel == 0] = np.column_stack([problem.states[name] for name in (axis, *where)])
     rows = []
     for curve in quantities:
         # Readings of each unit have columns of their own.
@@ -290,23 +277,24 @@ def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) 
 def picture(
     problem: Problem,
     found: Finding,
-    axis: Axis,
+    axis: str,
     unit: str,
     value_words: Mapping[str, Sequence[str]] | None = None,
     widths: Sequence[Curve] = (),
 ) -> bytes:
-    """Return the picture of what was found, over ``axis``, of the readings of the first channel, and beside it of
-    transverse stretches, curve by curve (``widths``)."""
+    """Return the picture of what was found, over the state ``axis``, of the readings of the first channel, and beside
+    it of transverse stretches, curve by curve (``widths``)."""
     from hyperfab.report.figures_loop import LoopPicture
 
+    what, _, measure = axis.partition("_")
     first = problem.channel == 0
     # The states first that what the model missed rides on.
     riding = dependence(found.before.fit.residual[first], problem.states)
     before, after = found.before.fit.predicted, found.after.fit.predicted
     states = sorted(problem.states.items(), key=lambda item: -riding.get(item[0], 0.0))
     return LoopPicture(
-        abscissa=axis.values,
-        label=axis.label,
+        abscissa=problem.states[axis],
+        label=f"{what} [{measure}]" if measure else what,
         unit=unit,
         curves=[curve.rows for curve in problem.curves if curve.channel == 0],
         measured=problem.measured[first],

@@ -14,7 +14,7 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking, write
+from hyperfab.chapters.close_loop.finalise import picture, ticking, write
 from hyperfab.chapters.close_loop.forward import written_otherwise
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
@@ -321,4 +321,4 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
     told[:, problem.runs[0].kept] = problem.measured, before, after
     columns = told.reshape(3, count, rows).transpose(2, 1, 0).reshape(rows, 3 * count)
     out.add(".csv", csv_bytes(head, list(np.column_stack([read.times, columns])), digits=8))
-    out.add(".png", picture(problem, found, Axis.of(problem, "time_s"), "degC", {"probe": read.names}))
+    out.add(".png", picture(problem, found, "time_s", "degC", {"probe": read.names}))
