@@ -61,7 +61,7 @@ def extend(
     """
     mold = copy.deepcopy(dict(data))
     relocate(mold, folders)
-    wider = _Wider(mold, document, problem, fit)
+    wider = _Wider(mold, document, problem, fit, stem)
     wider.films()
     wider.materials()
     wider.heaters()
@@ -72,18 +72,7 @@ def extend(
     wider.base()
     wider.probes()
     wider.steps(noise_K)
-    _named(mold, stem)
     return {**wider.files, ".model.toml": dump_toml(mold)}, wider.notes
-
-
-def _named(node: Any, stem: str) -> None:
-    """Give the new tables the name they are written under: a suffix after the output's stem."""
-    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
-    for key, value in list(items):
-        if key in _FILES and isinstance(value, str) and value.startswith(".") and value.count("/") == 0:
-            node[key] = f"{stem}{value}"
-        else:
-            _named(value, stem)
 
 
 def relocate(node: Any, folders: tuple[str, str]) -> None:
@@ -105,6 +94,7 @@ class _Wider:
     """A mold's plain document on its way to the extended one.
 
     document   what was given, read
+    stem       of the names of tables
     fitted     own constants and terms, as the problem takes them
     own        the refitted constants, by name
     amounts    what the found terms add, by its place in the reduced mold's settings
@@ -116,6 +106,7 @@ class _Wider:
     document: MoldDocument
     problem: HeatProblem
     fit: Fit
+    stem: str
     files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -130,6 +121,11 @@ class _Wider:
         self.reduced = self.problem.runs[0].mold
         self.faces = {"convection": self.reduced.films, "radiation": self.reduced.radiators}
         self.given = {kind: copy.deepcopy(self.mold.get(kind, [])) for kind in self.faces}
+
+    def table(self, suffix: str, first: str, second: str, x: Array, y: Array) -> str:
+        """Add a table beside the mold; return the name it is written under."""
+        self.files[suffix] = _csv(first, second, x, y)
+        return f"{self.stem}{suffix}"
 
     def at(self, place: str) -> float:
         """Return what is added at a place."""
@@ -151,8 +147,7 @@ class _Wider:
                 air = float(self.reduced.films[index].ambient.y[0]) + self.own.get("ambient", 0.0)
                 at = np.unique(np.concatenate([film.x, air + _ABOVE]))
                 h = factor * film(at) * (np.maximum(np.abs(at - air), 0.5) / 30.0) ** exponent
-                name = f".film-{index}.csv"
-                self.files[name] = _csv("temperature [degC]", "h [W/m^2/K]", at, h)
+                name = self.table(f".film-{index}.csv", "temperature [degC]", "h [W/m^2/K]", at, h)
                 self.mold["convection"][index]["h"] = {"table": name}
 
         still = all(one.ambient.is_constant for one in self.reduced.films)
@@ -180,8 +175,8 @@ class _Wider:
                 beside = np.array([zero - 50.0, zero]) if bend == 0.0 else np.arange(zero - 50.0, zero + 490.0, 10.0)
                 at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
                 scaled = factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
-                name = f".{what.replace('_', '-')}-{key}.csv"
-                self.files[name] = _csv("temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled)
+                suffix, head = f".{what.replace('_', '-')}-{key}.csv", f"{what.replace('_', ' ')} [{unit}]"
+                name = self.table(suffix, "temperature [degC]", head, at, scaled)
                 self.mold["material"][key][what] = {"table": name}
 
     def heaters(self) -> None:
@@ -215,8 +210,7 @@ class _Wider:
 
     def _schedule(self, index: int, times: Array, power: Array) -> None:
         """Write the power [W] of a heater over time [s]."""
-        name = f".power-{index}.csv"
-        self.files[name] = _csv("time [s]", "power [W]", times, power)
+        name = self.table(f".power-{index}.csv", "time [s]", "power [W]", times, power)
         self.mold["heater"][index]["schedule"] = name
 
     def starts(self) -> None:
@@ -259,7 +253,7 @@ class _Wider:
         count = sum(name.startswith(".ambient") for name in self.files)
         name = next(same, f".ambient-{count + 1}.csv" if count else ".ambient.csv")
         self.files[name] = table
-        return {"table": name}
+        return {"table": f"{self.stem}{name}"}
 
     def joints(self) -> None:
         """Write the conductance of joints: of the document's, and of those that conduct perfectly in it.
@@ -275,8 +269,8 @@ class _Wider:
         best, own = 1.0, {}
         if any(self.at(f"joint_{way}") for way in ("per_K", "closes", "tightens")):
             over = self.problem.joint_share(*self.fitted)
-            best, own = float(np.max(over.y)), {"schedule": ".joint.csv"}
-            self.files[".joint.csv"] = _csv("time [s]", "contact [-]", over.x, over.y / best)
+            best = float(np.max(over.y))
+            own = {"schedule": self.table(".joint.csv", "time [s]", "contact [-]", over.x, over.y / best)}
         if self.at("joint_per_K"):
             self.notes.append(
                 f"contact-resistance: the joint conducts {100.0 * self.at('joint_per_K'):.3g} % better a kelvin, for "
@@ -311,8 +305,7 @@ class _Wider:
         ambient = f"{air!r} degC" if first is None else self.ambient(first, 0)
         if self.at("bench_share"):
             warm = self.problem.bench_degC(*self.fitted)
-            self.files[".bench.csv"] = _csv("time [s]", "temperature [degC]", warm.x, warm.y)
-            ambient = {"table": ".bench.csv"}
+            ambient = {"table": self.table(".bench.csv", "time [s]", "temperature [degC]", warm.x, warm.y)}
             self.notes.append(
                 f"base-conduction: the bench takes on {100.0 * self.at('bench_share'):.3g} % of the base's warmth "
                 f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "
