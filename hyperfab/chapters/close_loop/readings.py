@@ -164,7 +164,6 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, al
             table = _rows(table, np.flatnonzero(~ended))
     if along:
         table = _rows(table, np.argsort(table[along], kind="stable"))
-    table = replace(table, left_out=dict(gone))
     if left_out is not None:
         left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
     return table

@@ -127,10 +127,7 @@ def another_unit(problem: Problem) -> list[str]:
     """Return which kinds of reading are so many times what the model says that their unit is the nearest reason."""
     told, given = [], problem.delivered
     for channel, unit in enumerate(problem.units):
-        rows = np.zeros(len(given), dtype=bool)
-        for curve in problem.curves:
-            if curve.channel == channel and not curve.beforehand:
-                rows[curve.rows] = True
+        rows = problem.channel == channel
         # Where the model has next to nothing a ratio says nothing of units.
         size, read = np.abs(np.where(np.isfinite(given), given, 0.0)), np.abs(problem.measured)
         large = rows & (size > 0.0) & (read > _LITTLE * np.max(read[rows], initial=0.0))
