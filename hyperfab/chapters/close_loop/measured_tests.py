@@ -22,7 +22,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
-from hyperfab.io.layout import PLAIN, Layout
+from hyperfab.io.layout import Layout
 from hyperfab.io.role_words import UnknownTest
 from hyperfab.loop.fabric_tests import thinned
 from hyperfab.materials.effects.path import moving
@@ -60,11 +60,11 @@ class Measured:
 def read_measured(
     job: Job,
     names: Sequence[str],
-    layout: Layout | None,
+    layout: Layout,
     thickness: float | None,
-    given: Mapping[str, str] | None = None,
-    how: How | None = None,
-    carries: Sequence[str] = OF_A_SHEET,
+    given: Mapping[str, str],
+    how: How,
+    carries: Sequence[str],
     beside: Measured | None = None,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
@@ -74,13 +74,11 @@ def read_measured(
     read ``beside`` the others: one that does not say its test is of the one kind that all those were given as. How each
     was read is said, and kept in ``preparation``.
     """
-    how = how or How()
-    layout = layout or PLAIN
     found = Measured([], "MPa")
     every: list[TestData] = []
     for name in names:
         data = job.inputs.read(name)
-        kind = how.kinds.get(name) or (given or {}).get(sha256(data).hexdigest())
+        kind = how.kinds.get(name) or given.get(sha256(data).hexdigest())
         found.given.add(kind)
         try:
             every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
