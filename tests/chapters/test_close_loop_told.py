@@ -100,6 +100,17 @@ def test_the_model_as_delivered_is_told_beside_the_refitted_one(hf: Run, model: 
     assert f"{given['rms']:.3g} MPa ({100 * given['relative_rms']:.2g} %)" in told
 
 
+def test_readings_beyond_what_the_model_as_delivered_can_answer_are_counted(hf: Run, model: Path) -> None:
+    """A law that locks before the last readings: what it misses as delivered was passed over in silence."""
+    lock = 1.45**2 + 2.0 / 1.45 - 3.0
+    law = {"model": "gent", "parameters": {"mu_MPa": 0.2, "Im": lock}}
+    (model / "m.json").write_text(json.dumps(MODEL | law))
+    found, told = closed(hf, model, [write(model, "a.csv")])
+    assert "delivered" not in found["error"]
+    beyond = int(np.count_nonzero(np.linspace(1.0, 1.5, 60) >= 1.45))
+    assert f"As delivered the model has no answer at {beyond} of 60 readings." in told
+
+
 def test_constants_that_leave_what_is_known_of_them_are_told(hf: Run, model: Path) -> None:
     """The model is twice as stiff as the cloth at rest: a good fit that moves it so far is no sign of a good model."""
     name = write(model, "a.csv")

@@ -171,7 +171,12 @@ def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
     noise += silent(problem, found)
-    given = "" if error.delivered is None else f"As delivered the model misses by {size_of(error.delivered, unit)}. "
+    answers = np.isfinite(problem.delivered[problem.channel == 0])
+    given = ""
+    if error.delivered is not None:
+        given = f"As delivered the model misses by {size_of(error.delivered, unit)}. "
+    elif lost := np.count_nonzero(~answers):
+        given = f"As delivered the model has no answer at {lost} of {len(answers)} readings. "
     return f"{given}With its own constants refitted the model misses by {size_of(error.before, unit)} (rms), {noise}."
 
 
