@@ -16,6 +16,7 @@ import numpy as np
 from loop.generators import fabric as truths
 from numpy.typing import NDArray
 
+from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.measured_tests import read_measured
 from hyperfab.chapters.job import Job
@@ -23,7 +24,9 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import HyperfabError
+from hyperfab.io.layout import PLAIN
 from hyperfab.loop.engine import Finding, close
+from hyperfab.materials.modes import OF_A_SHEET
 from trials.hunting import File, Hunt, asked, headed, scaled, strained
 
 Array = NDArray[np.float64]
@@ -72,7 +75,7 @@ def closed(files: Sequence[File], model: Mapping[str, float] | None = None, **mo
         }
         job = Job("close-loop", [], Console(quiet=True))
         try:
-            tests = read_measured(job, names, None, None)
+            tests = read_measured(job, names, PLAIN, None, {}, How(), OF_A_SHEET)
             problem = pose(parse_document(document, "m.json", MaterialDocument), "m.json", tests)
             found = close(problem, design=False)
         except HyperfabError as error:

@@ -78,7 +78,7 @@ def _of_directions(read: FabricDocument) -> Fabric:
     if whole is not None:
         words = "orthotropic: one energy for the sheet; the warp runs along x"
         left_out = [
-            f"{one.constant}: not told by the tests behind the law ({one.test} tells it)"
+            f"{one.constant}: not told by the tests behind the law (it takes {one.test})"
             for one in document.undetermined or []
         ]
         return Fabric(name, document.model, RelaxedSheet(whole), words, thickness, left_out)

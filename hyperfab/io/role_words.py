@@ -99,7 +99,7 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
     for names in (STRETCHES, STRESSES):
         for place in places:
             if rest and not any(name + place in have for name in names):
-                one = rest.pop(0)
+                one = rest.pop(_likeliest(rest, names))
                 told = shape(sheet.columns[one.index], one.title) if names is STRETCHES else "stress [MPa]"
                 name, gap, unit = told.partition(" [")
                 name = measured(name, one.title) or name
@@ -108,6 +108,12 @@ def proposed(sheet: CsvSheet, found: Roles) -> list[tuple[str, str]]:
                     alike = [other for other in rest if state_of(other.title)]
                     entries |= {other.index: (other.title, f"{name}{place}{gap}{unit}") for other in alike}
     return [entries[index] for index in sorted(entries)]
+
+
+def _likeliest(heads: Sequence[Heading], names: Sequence[str]) -> int:
+    """Return the place of the first head that holds one of ``names``, as StrainEngMD_02 does, or of the first."""
+    words = [name for name in names if " " not in name]
+    return next((at for at, one in enumerate(heads) if any(word in one.title.lower() for word in words)), 0)
 
 
 def _own_unit(head: Heading) -> str | None:

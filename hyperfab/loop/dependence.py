@@ -86,7 +86,6 @@ def suggestion(residual: Array, sd: Array, states: Mapping[str, Array]) -> tuple
 
     Orthogonal matching pursuit over products of up to two scaled state variables; a product stays where it pays in BIC.
     """
-    columns: dict[str, Array] = {}
     scaled: dict[str, Array] = {}
     for name, values in states.items():
         known = np.isfinite(values)
@@ -95,10 +94,8 @@ def suggestion(residual: Array, sd: Array, states: Mapping[str, Array]) -> tuple
         middle, half = (values.max() + values.min()) / 2.0, (values.max() - values.min()) / 2.0
         sign = "-" if middle >= 0.0 else "+"
         scaled[f"({name} {sign} {abs(middle):.3g})/{half:.2g}"] = (values - middle) / half
-    names = list(scaled)
-    for name in names:
-        columns[name] = scaled[name]
-    for one, two in itertools.combinations_with_replacement(names, 2):
+    columns = dict(scaled)
+    for one, two in itertools.combinations_with_replacement(scaled, 2):
         columns[f"{one}^2" if one == two else f"{one} {two}"] = scaled[one] * scaled[two]
     if not columns:
         return None

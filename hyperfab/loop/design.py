@@ -55,10 +55,8 @@ def _smallest_misfit(extra: Extra, noise: Noise, fits: Sequence[Fit], measured: 
         if not np.all(np.abs(target) < most):
             return 0.0
         wider = _extended(noise, target, len(measured), extra.problem)
-        for j, rival in enumerate(fits):
-            # The best against each other, both ways; two losers need not be told apart.
-            if i == j or (i > 0 and j > 0):
-                continue
+        # The best against each other, both ways; two losers need not be told apart.
+        for rival in fits[:1] if i else fits[1:]:
             again = fit(extra.problem, wider, dict(rival.forms), rival.x, data=target, iterations=6)
             smallest = min(smallest, again.chi2)
     return float(smallest)

@@ -24,7 +24,7 @@ from hyperfab.loop.doubt import (
 from hyperfab.loop.fewest import fewest, likeliest
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate, Evidence, common_bic
-from hyperfab.loop.no_worse import Apart, held, is_no_worse, misses_more, nearest_apart, no_worse, of_same_names, pruned
+from hyperfab.loop.no_worse import Apart, held, is_no_worse, nearest_apart, no_worse, none_apart, of_same_names, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.problem import Problem
@@ -74,30 +74,26 @@ def close(
     *,
     noise: float | Noise | None = None,
     tick: Callable[[str], None] = lambda text: None,
-    refit: int = 6,
     design: bool = True,
-    apart: Apart | None = None,
+    apart: Apart = none_apart,
 ) -> Finding:
     """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
     else it is estimated: from what neighbours and replicates differ by, and, where something then stays unexplained, as
     readings that wander. ``apart`` returns how far a model misses readings that take no part: no effect is kept that
     makes that more."""
-
-    def under(level: Noise, *, again: bool) -> Finding:
-        return _closed(problem, level, tick=tick, refit=refit, design=design, again=again, apart=apart)
-
-    found = under(noise if isinstance(noise, Noise) else estimate_noise(problem, noise), again=True)
+    level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
+    found = _closed(problem, level, tick=tick, design=design, again=True, apart=apart)
     if found.verdict != "unexplained" or not found.noise.least:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
     if not np.any(wanders.sd > found.noise.sd):
         return found
-    more = under(wanders, again=False)
+    more = _closed(problem, wanders, tick=tick, design=design, again=False, apart=apart)
     # What is missed by far more than readings wander, all that neighbours have in common counted, is none of their
     # wandering, however few tell how far that is.
     left = (problem.measured - more.before.fit.predicted) / wanders.sd
     missed = more.verdict == "noise" and not _within_noise(problem, left)
-    if more.verdict == "unexplained" or missed or misses_more(apart, more.after.fit, found.after.fit):
+    if more.verdict == "unexplained" or missed or apart(more.after.fit) > apart(found.after.fit):
         return found
     return more
 
@@ -107,13 +103,12 @@ def _closed(
     level: Noise,
     *,
     tick: Callable[[str], None],
-    refit: int,
     design: bool,
     again: bool,
-    apart: Apart | None,
+    apart: Apart,
 ) -> Finding:
     """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
-    search = Search(problem, level, tick, max(refit, problem.rich))
+    search = Search(problem, level, tick)
     before = search.base()
     if not np.isfinite(before.fit.cost):
         raise NotConverged(
@@ -130,7 +125,7 @@ def _closed(
 
     def under(other: Noise) -> Finding:
         """Return what is found where noise is another, in all judgements."""
-        return _closed(problem, other, tick=tick, refit=refit, design=design, again=False, apart=apart)
+        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""
@@ -183,7 +178,7 @@ def _closed(
         scatter = scatter_of_one_cloth(search, kept, best)
         found = under(replace(level, gain_sd=scatter)) if scatter else None
         nearer = found and (found.verdict != "unexplained" or len(found.after.ids) > len(kept.ids))
-        if found and nearer and not misses_more(apart, found.after.fit, kept.fit):
+        if found and nearer and apart(found.after.fit) <= apart(kept.fit):
             still = tuple(name for name in doubted if name not in found.after.ids)
             every = tuple(dict.fromkeys((*still, *found.doubted)))
             return replace(found, assumed=found.assumed or scatter, doubted=every)
@@ -335,7 +330,7 @@ def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callabl
     return best
 
 
-def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:
+def _likelier(search: Search, before: Candidate, best: Candidate, apart: Apart) -> Candidate | None:
     """Return a model of other names that is clearly likelier, though it was fitted only as a rival; None if none is."""
     if not search.problem.describes:
         return None

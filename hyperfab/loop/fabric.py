@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -43,7 +43,7 @@ _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
 _RISING = (UNIAXIAL, SHEAR, BIAXIAL)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class FabricProblem(Problem):
     """A law with constants, terms it already has, and the measured tests.
 
@@ -54,16 +54,16 @@ class FabricProblem(Problem):
 
     least_noise: ClassVar[float] = MACHINE
     plain: ClassVar[str] = "elastic-law"
-    fabric: Fabric = field(kw_only=True)
-    whole: Fabric = field(kw_only=True)
-    read: Flags = field(kw_only=True)
-    tests: Sequence[TestCurve] = field(kw_only=True)
-    law: Law = field(kw_only=True)
-    both: bool = field(kw_only=True)
-    held: Mapping[str, tuple[str, tuple[float, ...]]] = field(kw_only=True)
-    transverse_rows: Array = field(kw_only=True)
-    remake: object = field(kw_only=True)
-    combinations: Array | None = field(default=None, kw_only=True)
+    fabric: Fabric
+    whole: Fabric
+    read: Flags
+    tests: Sequence[TestCurve]
+    law: Law
+    both: bool
+    held: Mapping[str, tuple[str, tuple[float, ...]]]
+    transverse_rows: Array
+    remake: Callable[[Sequence[TestCurve]], FabricProblem]
+    combinations: Array | None = None
 
     def of_own(self, own: Array) -> tuple[Array, Array | None, dict[str, tuple[str, Array]]]:
         """Return the law's constants along warp and weft (None: alike), and the terms the model already has."""
@@ -238,7 +238,7 @@ class FabricProblem(Problem):
         """Return tests that could be done next, each with the problem it would make."""
         found = []
         for text, details, test in menu(self.tests):
-            problem = self.remake([*self.tests, test])  # type: ignore[operator]
+            problem = self.remake([*self.tests, test])
             if np.all(np.isfinite(self.fabric.path.time_s)) == np.all(np.isfinite(problem.fabric.path.time_s)):
                 found.append(Extra(text, details, problem))
         return found

@@ -79,12 +79,11 @@ def fit(
     *,
     data: Array | None = None,
     iterations: int = 30,
-    coarse: bool = False,
 ) -> Fit:
     """Fit all constants to ``data`` (the measured values by default) from ``start``: a whole ``Descent``."""
     if data is not None:
-        return Descent(problem, noise, forms, start, data=data, coarse=coarse).advance(iterations).fit(noise)
-    return descent(problem, noise, forms, [start], iterations=iterations, coarse=coarse).fit(noise)
+        return Descent(problem, noise, forms, start, data=data).advance(iterations).fit(noise)
+    return descent(problem, noise, forms, [start], iterations=iterations).fit(noise)
 
 
 def descent(
@@ -94,7 +93,7 @@ def descent(
     starts: Sequence[Sequence[float] | Array],
     *,
     iterations: int = 30,
-    coarse: bool,
+    coarse: bool = False,
 ) -> Descent:
     """Return the descent from that of several starts that leads on, each made once for a problem.
 

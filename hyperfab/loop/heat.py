@@ -16,6 +16,8 @@ from hyperfab.thermal.sensors import as_shown, lagging
 from hyperfab.thermal.settings import Settings, air_drift
 from hyperfab.thermal.tables import Table
 
+#: Kinds of constants that a mold has of its own.
+_KINDS = ("film", "conductivity", "capacity", "power", "joint", "start", "ambient")
 #: What is known of the temperature at the start and of the ambient [K]: what a thermometer on the wall tells.
 _LEVEL_SD = {"start": 0.5, "ambient": 1.0}
 #: Standard deviations of its prior by which a constant may move; less those that could stand in for a bad joint.
@@ -57,21 +59,21 @@ class Run:
         return Run(mold, times, np.arange(len(times) * len(mold.probes)))
 
 
-@dataclass
+@dataclass(kw_only=True)
 class HeatProblem(Problem):
     """A reduced mold, the times and probes that were read, and the readings, probe after probe."""
 
     rich = 8
     well_known = True
 
-    runs: Sequence[Run] = field(kw_only=True)
-    kinds: Sequence[str] = field(kw_only=True)
-    joints: Array = field(kw_only=True)
-    pairs: Sequence[tuple[str, str]] = field(default=(), kw_only=True)
-    lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)), kw_only=True)
-    names: Sequence[str] = field(kw_only=True)
-    base: Sequence[str | tuple[int, int]] = field(default=(), kw_only=True)
-    tables: Mapping[str, Table] = field(default_factory=dict, kw_only=True)
+    runs: Sequence[Run]
+    kinds: Sequence[str]
+    joints: Array
+    pairs: Sequence[tuple[str, str]] = ()
+    lag_s: Array = field(default_factory=lambda: np.zeros((2, 1)))
+    names: Sequence[str]
+    base: Sequence[str | tuple[int, int]] = ()
+    tables: Mapping[str, Table] = field(default_factory=dict)
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""
@@ -195,22 +197,19 @@ class HeatProblem(Problem):
         opened, added = each("resistance", range(new)), each("resistance", range(new, new + old))
         first, second = (moved.pop(name, np.zeros(count))[:, None] for name in ("lag_s", "second_lag_s"))
         lags = [self.lag_s[0] + first + each("lag_s", range(len(mold.probes))), self.lag_s[1] + second]
-        pick = {
-            kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]]
-            for kind in ("film", "conductivity", "capacity", "power", "joint")
-        }
-        starts = own[:, [i for i, other in enumerate(self.kinds) if other == "start"]]
+        of = {kind: own[:, [i for i, other in enumerate(self.kinds) if other == kind]] for kind in _KINDS}
+        starts = of["start"]
         # The first is the start of all parts; the others say by how much a part began warmer.
         starts[:, 1:] += starts[:, :1]
         settings = Settings(
-            film=pick["film"],
-            conductivity=pick["conductivity"],
-            capacity=pick["capacity"],
-            power=pick["power"],
-            joint=pick["joint"] * self.joints / (1.0 + added * pick["joint"] * self.joints),
+            film=of["film"],
+            conductivity=of["conductivity"],
+            capacity=of["capacity"],
+            power=of["power"],
+            joint=of["joint"] * self.joints / (1.0 + added * of["joint"] * self.joints),
             opened=opened,
             start_K=starts,
-            ambient_K=own[:, [self.kinds.index("ambient")]],
+            ambient_K=of["ambient"],
             effects=moved,
         )
         return settings, lags
@@ -255,27 +254,24 @@ def _curve(name: str, first: int, times: Array, kept: Ints, jumps: Ints) -> Curv
     return Curve(name, int(start), int(stop), times[kept[start:stop] - first], tuple(inside))
 
 
-def _reach(kind: str, prior: float) -> float:
-    return prior * _FARTHEST.get(kind, _FAR)
-
-
-def least_of(kind: str, prior: float) -> float:
-    """Return the least factor that a constant of a kind may take, whose relative standard deviation is ``prior``."""
-    return max(1.0 - _reach(kind, prior), 0.05)
+def bounds_of(kind: str, prior: float) -> tuple[float, float]:
+    """Return the least and the greatest factor that a constant of a kind may take, whose relative standard deviation is
+    ``prior``."""
+    reach = prior * _FARTHEST.get(kind, _FAR)
+    return max(1.0 - reach, 0.05), 1.0 + reach
 
 
 def heat_problem(
     mold: ReducedMold,
     times: Array,
     readings: Array,
-    probes: Sequence[int],
     names: Sequence[str],
     own: Sequence[tuple[str, str]],
     joints: Sequence[float],
     prior: float,
     fixed: Sequence[str] = (),
 ) -> HeatProblem:
-    """Return the problem of ``readings`` (times, probes read) [degC], nan where one is missing.
+    """Return the problem of ``readings`` (times, probes) [degC], nan where one is missing.
 
     ``own`` are the keys of the mold's own constants and their kinds (film, conductivity, capacity, power,
     joint); they are factors on the document's values with a relative standard deviation ``prior``.
@@ -284,24 +280,19 @@ def heat_problem(
     constants = tuple(
         Constant(key, 0.0, *((0.0, 0.0) if key in fixed else (-30.0, 30.0)), 0.5, _LEVEL_SD[kind])
         if kind in _LEVEL_SD
-        else Constant(
-            key,
-            1.0,
-            *((1.0, 1.0) if key in fixed else (least_of(kind, prior), 1.0 + _reach(kind, prior))),
-            0.1,
-            prior,
-        )
+        else Constant(key, 1.0, *((1.0, 1.0) if key in fixed else bounds_of(kind, prior)), 0.1, prior)
         for key, kind in own
     )
-    rows, count = len(times), len(probes)
+    rows, count = len(times), len(names)
     power = sum(table(times) for _, table in mold.heaters) if mold.heaters else np.zeros(rows)
     jumps = np.flatnonzero(np.abs(np.diff(power)) > 0.02 * max(float(np.max(np.abs(power))), 1e-12)) + 1
-    kept = np.flatnonzero(np.isfinite(readings.T.ravel()))
-    curves = tuple(_curve(names[i], i * rows, times, kept, jumps) for i in range(count))
+    kept = np.flatnonzero(np.isfinite(readings.T))
+    measured = readings.T.ravel()[kept]
+    curves = tuple(_curve(name, i * rows, times, kept, jumps) for i, name in enumerate(names))
     air = mold.films[0].ambient if mold.films else None
     context = DataContext(
         duration_s=float(times[-1] - times[0]),
-        rise_K=max(float(np.ptp(readings.T.ravel()[kept])), 1.0),
+        rise_K=max(float(np.ptp(measured)), 1.0),
         power_W=max((float(np.max(np.abs(table.y))) for _, table in mold.heaters), default=1.0) or 1.0,
         films=len(mold.films),
         heaters=len(mold.heaters),
@@ -310,9 +301,8 @@ def heat_problem(
         probes=count,
         bench=len(mold.bench.weights) > 0,
         emits=bool(mold.radiators),
-        typical_film=float(np.mean(mold.films[0].film(readings.T.ravel()[kept]))) if mold.films else 10.0,
+        typical_film=float(np.mean(mold.films[0].film(measured))) if mold.films else 10.0,
     )
-    measured = readings.T.ravel()[kept]
     states = {
         "time_s": np.tile(times, count)[kept],
         "temperature_degC": measured,
@@ -329,7 +319,7 @@ def heat_problem(
         effects=entries(context),
         states=states,
         units=("K",),
-        runs=[Run(replace(mold, probes=mold.probes[list(probes)]), times, kept)],
+        runs=[Run(mold, times, kept)],
         kinds=tuple(kind for _, kind in own),
         joints=np.asarray(joints, dtype=np.float64),
         names=tuple(names),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
@@ -49,16 +49,16 @@ class File(Protocol):
 F = TypeVar("F", bound=File)
 
 
-@dataclass
+@dataclass(kw_only=True)
 class FilesProblem(Problem, Generic[F]):
     """A model and the ``files`` that were read, or parts of them; then what is known of its constants (``priors``);
     then ``further`` readings, those that could be taken next or take no part, their rows times ``scale``."""
 
-    files: tuple[F, ...] = field(kw_only=True)
-    further: tuple[F, ...] = field(default=(), kw_only=True)
-    scale: tuple[float, ...] = field(default=(), kw_only=True)
+    files: tuple[F, ...]
+    further: tuple[F, ...] = ()
+    scale: tuple[float, ...] = ()
     #: The constants as they were posed, before they were held near what is known of them.
-    posed_of: tuple[Constant, ...] = field(default=(), kw_only=True)
+    posed_of: tuple[Constant, ...] = ()
 
     @classmethod
     def posed(

@@ -22,7 +22,12 @@ _LOOSER = (3.0, 10.0, 30.0)
 Apart = Callable[[Fit], float]
 
 
-def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate:
+def none_apart(fitted: Fit) -> float:
+    """Return how far a model misses none: by nothing."""
+    return 0.0
+
+
+def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart) -> Candidate:
     """Return the model, or, where it misses more than the one without names (the data, each test left out, those set
     apart), the best with no other names that does not.
 
@@ -42,7 +47,7 @@ def no_worse(search: Search, base: Candidate, best: Candidate, apart: Apart | No
     return (_of_other_names(search, base, apart) or best) if had else best
 
 
-def _of_other_names(search: Search, base: Candidate, apart: Apart | None) -> Candidate | None:
+def _of_other_names(search: Search, base: Candidate, apart: Apart) -> Candidate | None:
     """Return the likeliest single name that explains the data and misses no more than the model without names, None
     where there is none."""
     alone = [state for state in search.states if len(state.ids) == 1 and explains(base, state)]
@@ -53,7 +58,7 @@ def _of_other_names(search: Search, base: Candidate, apart: Apart | None) -> Can
     return None
 
 
-def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart | None) -> Candidate | None:
+def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart) -> Candidate | None:
     """Return the model, or one of its names that gives up some contraction for the stresses, or in richer forms leaves
     these alone; None where each misses more than the one without names."""
     found = held(search, base, best, apart)
@@ -67,10 +72,10 @@ def of_same_names(search: Search, base: Candidate, best: Candidate, apart: Apart
     return min(good, key=lambda state: state.fit.cost, default=None)
 
 
-def nearest_apart(search: Search, best: Candidate, apart: Apart | None) -> Candidate:
+def nearest_apart(search: Search, best: Candidate, apart: Apart) -> Candidate:
     """Return the model, or the one of its names that comes clearly nearer to readings set apart: a law that goes
     through all that was read and misses what lies between is none. Where it does, all formulas are tried."""
-    if apart is None or not best.ids:
+    if not best.ids:
         return best
     first = search.problem.channel == 0
     left = (search.problem.measured - best.fit.predicted)[first]
@@ -84,7 +89,7 @@ def nearest_apart(search: Search, best: Candidate, apart: Apart | None) -> Candi
     return nearest if apart(nearest.fit) < MOST * apart(best.fit) else best
 
 
-def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -> bool:
+def is_no_worse(base: Candidate, state: Candidate, apart: Apart = none_apart) -> bool:
     """Whether a model misses no more than another, plainly and everywhere."""
     first, measured = state.problem.channel == 0, state.problem.measured
     alike = 1.0 if first.all() else _ALIKE
@@ -94,15 +99,10 @@ def is_no_worse(base: Candidate, state: Candidate, apart: Apart | None = None) -
         told = first & np.isfinite(old) & np.isfinite(new)
         if np.sum((measured - new)[told] ** 2) > alike * np.sum((measured - old)[told] ** 2):
             return False
-    return not misses_more(apart, state.fit, base.fit)
+    return apart(state.fit) <= apart(base.fit)
 
 
-def misses_more(apart: Apart | None, new: Fit, old: Fit) -> bool:
-    """Whether a model misses readings set apart by more than another."""
-    return apart is not None and apart(new) > apart(old)
-
-
-def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None) -> Candidate:
+def held(search: Search, base: Candidate, state: Candidate, apart: Apart) -> Candidate:
     """Return the model so fitted that it is no worse than another: what was read beside the stresses counts less and
     less until these are missed by no more.
 
@@ -113,7 +113,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
         return state
     own = state.fit.own
     as_it_was = np.concatenate([base.fit.x[:own], state.fit.x[own:]])
-    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was, coarse=False)
+    kept = Descent(search.problem, search.noise, state.fit.forms, as_it_was)
     alike = np.array_equal(kept.value[~beside], base.fit.predicted[~beside])
     # Of a press, a film read after opening says as much of the model's own constants as the pressure does.
     if (alike and state.problem.describes) or kept.cost <= state.fit.cost * _ALIKE:
@@ -123,7 +123,7 @@ def held(search: Search, base: Candidate, state: Candidate, apart: Apart | None)
         if (factor := next(looser, None)) is None:
             return state
         noise = replace(search.noise, sd=np.where(beside, factor, 1.0) * search.noise.sd)
-        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x], coarse=False)
+        descended = descent(search.problem, noise, state.fit.forms, [state.fit.x])
         found = Candidate(search.problem, search.noise, descended.fit(search.noise))
     return found
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import permutations
 
 import numpy as np
 from scipy.special import chdtrc, chdtri
@@ -58,9 +59,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
                     how = f"{how}, {100.0 * problem.least_noise:g} % of each peak at least"
         source = source or how
     free = stated is None and problem.stated_sd is None
-    across_sd = rho = 0.0
-    if np.any(problem.channel == 1):
-        sd, across_sd, rho = _across(problem, sd, louder)
+    sd, across_sd, rho = _across(problem, sd, louder)
     (groups, alike), (across, alike_across) = (_specimens(problem, channel) for channel in (0, 1))
     starts = tuple(curve.start for curve in problem.curves)
     plain = Noise(
@@ -79,7 +78,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         least=problem.least_noise if free else 0.0,
         raised=float(np.min(raised)),
     )
-    if free and np.any(problem.channel == 1):
+    if free:
         # No law bends a width as fast as it wanders; of stresses that is not known.
         plain = wandering(problem, plain, y, 1)
     return _with_replicates(problem, plain, louder, free)
@@ -121,7 +120,7 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
 
     They vanish on quadratics for any spacing and have the variance of the noise.
     """
-    found, level = [], []
+    found, level = [np.empty(0)], [np.empty(0)]
     for piece in moving(curve):
         values, place = y[piece], curve.abscissa[piece.start - curve.start : piece.stop - curve.start]
         keep = np.concatenate([[True], np.abs(np.diff(place)) > 1e-12])
@@ -131,16 +130,12 @@ def third_differences(y: Array, curve: Curve) -> tuple[Array, Array]:
         x = np.stack([place[i : len(place) - 3 + i] for i in range(4)])
         v = np.stack([values[i : len(values) - 3 + i] for i in range(4)])
         weights = np.ones_like(x)
-        for i in range(4):
-            for j in range(4):
-                if i != j:
-                    gap = x[i] - x[j]
-                    weights[i] /= np.where(np.abs(gap) > 1e-12, gap, 1e-12)
+        for i, j in permutations(range(4), 2):
+            gap = x[i] - x[j]
+            weights[i] /= np.where(np.abs(gap) > 1e-12, gap, 1e-12)
         weights /= np.sqrt(np.sum(weights**2, axis=0))
         found.append(np.sum(weights * v, axis=0))
         level.append(np.mean(np.abs(v), axis=0))
-    if not found:
-        return np.empty(0), np.empty(0)
     return np.concatenate(found), np.concatenate(level)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -26,19 +26,19 @@ _SEGMENT = 15
 GAP_SD, FORCE_SD, THICKNESS_SD, STROKE_SD = 0.02, 0.02, 0.01, 0.02
 
 
-@dataclass
+@dataclass(kw_only=True)
 class PressProblem(FilesProblem[Reading]):
     """A press and what was read in it."""
 
-    summed: PressTable = field(kw_only=True)
-    correction: Array = field(kw_only=True)
-    places: PressTable = field(kw_only=True)
-    setting: Setting = field(kw_only=True)
-    foam: FoamContext = field(kw_only=True)
+    summed: PressTable
+    correction: Array
+    places: PressTable
+    setting: Setting
+    foam: FoamContext
 
     def shown(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Array]:
         """Return the readings that the press would give."""
-        value = dict(zip((one.name for one in self.own), own, strict=True))
+        value = self.as_stated(own)
         changes = self.changes(terms)
         guided: dict[tuple[float | None, float], Moved] = {}
         presses: dict[tuple[object, ...], SetPress] = {}
@@ -109,23 +109,14 @@ class PressProblem(FilesProblem[Reading]):
     @cached_property
     def _arm(self) -> Array:
         """Where [mm] the thinned sum has the arm of the force at the model's own balance."""
-        now = self._moved(self._given, Changes())
-        load = loads(now.table, SetPress(now, self.setting, self._given, self._sum).opening, np.zeros(2))
+        value = self.as_stated(self.given)
+        now = self._moved(value, Changes())
+        load = loads(now.table, SetPress(now, self.setting, value, self._sum).opening, np.zeros(2))
         return np.asarray(load[1:] / max(load[0], 1e-300))
-
-    @cached_property
-    def largest_force(self) -> float:
-        """The force [N] at the setting, as the model is."""
-        now = self._moved(self._given, Changes())
-        return float(self._sum.force(now, np.array([self.setting.opening]))[0])
-
-    @property
-    def _given(self) -> dict[str, float]:
-        return {one.name: one.value for one in self.own}
 
     def force_at(self, own: Array, terms: Mapping[str, tuple[str, Array]], time_s: float) -> float:
         """Return the force [N] that the press closes with, with ``terms``, a time after the foam was first pressed."""
-        value = dict(zip((one.name for one in self.own), own, strict=True))
+        value = self.as_stated(own)
         changes, late = self.changes(terms), Reading("", "force", np.zeros(1), time_s=np.array([time_s]))
         left, thick = (float(np.max(share(late))) for share in (changes.factor, changes.thickness))
         press = self._set(self._moved(value, changes, thick=thick).relaxed(left), value)
@@ -133,7 +124,9 @@ class PressProblem(FilesProblem[Reading]):
 
     def extras(self) -> Sequence[Extra]:
         """Return what could be read next."""
-        loudest = {"force": self.largest_force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
+        now = self._moved(self.as_stated(self.given), Changes())
+        force = float(self._sum.force(now, np.array([self.setting.opening]))[0])
+        loudest = {"force": force, "pressure": float(np.mean(self.places.law.stress(0.5)))}
         for one in self.files:
             if one.kind in loudest:
                 same = [np.max(np.abs(other.values)) for other in self.files if other.kind == one.kind]
@@ -180,22 +173,19 @@ def press_problem(
     kinds = list(dict.fromkeys(reading.kind for reading in readings))
     parts: list[Reading] = []
     for one in readings:
-        reading = replace(one, index=np.arange(len(one.values)))
-        if reading.kind in ("fabric", "mounting"):
-            parts.append(reading)
-            continue
-        if reading.places is None:
+        index = np.arange(len(one.values))
+        if one.kind in ("fabric", "mounting"):
+            cut = [index]
+        elif one.places is None:
             # Along the stroke, and at a hold along the time.
-            count = max(1, min(4, len(reading.values) // _SEGMENT))
-            parts += [reading.rows(rows) for rows in np.array_split(np.arange(len(reading.values)), count)]
-            continue
-        parts += [reading.rows(rows) for rows in patches(reading.places)]
+            cut = np.array_split(index, max(1, min(4, len(index) // _SEGMENT)))
+        else:
+            cut = patches(one.places)
+        parts += [replace(one, index=index).rows(rows) for rows in cut]
     constants = [Constant("foam.compression", 1.0, 0.05, 20.0, 0.1, prior)]
     if any(reading.kind in THERE for reading in readings):
-        named = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD)
-        if setting.force is not None:
-            named = ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
-        constants.append(Constant(*named))
+        gap, force = ("gap", 0.0, -1.0, 1.0, 0.02, GAP_SD), ("force", 1.0, 0.1, 10.0, 0.02, FORCE_SD)
+        constants.append(Constant(*(gap if setting.force is None else force)))
     if "force" in kinds:
         constants.append(Constant("stroke.zero", 0.0, -1.0, 1.0, 0.02, STROKE_SD))
     constants.append(Constant("foam.thickness", 1.0, 0.5, 2.0, 0.02, THICKNESS_SD))
@@ -206,21 +196,16 @@ def press_problem(
         name = f"{part.name}, part {number + 1}"
         curves.append(Curve(name, row, row + size, abscissa, channel=kinds.index(part.kind)))
         row += size
-    travel = max(float(summed.first_touch - setting.opening), 0.2)
     context = DataContext(
-        half_mm=setting.half_mm,
-        pressure_MPa=float(np.mean(whole.law.stress(0.5))),
+        setting=setting,
         foam=foam,
-        temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
-        molds_degC=setting.temperature,
-        formed="formed" in kinds,
         force_N=max(float(summed.force(np.array([summed.openings[1]]))[0]), 1e-6),
-        travel_mm=travel,
+        travel_mm=max(float(summed.first_touch - setting.opening), 0.2),
+        time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=None),
+        pressure_MPa=float(np.mean(whole.law.stress(0.5))),
+        temperatures=tuple(sorted({setting.temperature if p.temperature is None else p.temperature for p in parts})),
         strokes="force" in kinds,
-        timed=any(part.time_s is not None for part in parts),
-        time_s=max((float(np.max(p.time_s)) for p in parts if p.time_s is not None), default=1.0),
-        floats=setting.floating,
-        forced=setting.force is not None,
+        formed="formed" in kinds,
     )
     first = [part for part in parts if part.kind == kinds[0]]
     return PressProblem.posed(
@@ -240,17 +225,14 @@ def press_problem(
 
 
 def _states(parts: Sequence[Reading]) -> dict[str, Array]:
-    found: dict[str, Array] = {}
+    def column(name: str) -> Array:
+        return np.concatenate([getattr(part, name) for part in parts])
+
     if parts[0].places is not None:
-        places = np.concatenate([part.places for part in parts if part.places is not None])
-        found = {f"{axis}_mm": places[:, i] for i, axis in enumerate("xyz")}
-    elif parts[0].stroke is not None:
-        found["stroke_mm"] = np.concatenate([part.stroke for part in parts if part.stroke is not None])
+        found = {f"{axis}_mm": place for axis, place in zip("xyz", column("places").T, strict=True)}
     else:
-        found["load_MPa"] = np.concatenate([part.load for part in parts if part.load is not None])
-    if all(part.time_s is not None for part in parts):
-        found["time_s"] = np.concatenate([part.time_s for part in parts if part.time_s is not None])
-    return found
+        found = {"load_MPa": column("load")} if parts[0].stroke is None else {"stroke_mm": column("stroke")}
+    return found | ({"time_s": column("time_s")} if all(part.time_s is not None for part in parts) else {})
 
 
 #: Readings at places: of which kind, and how they are taken.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import prod
 from typing import Any, Literal
 
 import numpy as np
@@ -242,17 +243,11 @@ class Changes:
 
     def factor(self, reading: Reading) -> Array | float:
         """Return the share of the foam's pressure that is left when a reading is taken."""
-        found: Array | float = 1.0
-        for one in self.left:
-            found = found * one(reading)
-        return found
+        return prod(one(reading) for one in self.left)
 
     def thickness(self, reading: Reading) -> Array | float:
         """Return the share of the foam's thickness that is left when a reading is taken."""
-        found: Array | float = 1.0
-        for one in self.lost:
-            found = found * (1.0 - one(reading))
-        return found
+        return prod(1.0 - one(reading) for one in self.lost)
 
 
 def variation(plan: Array, terms: Mapping[str, float]) -> Array | float:

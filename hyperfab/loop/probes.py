@@ -48,7 +48,8 @@ def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[
         bare = replace(
             found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[]
         )
-        was, now = (float(np.sqrt(np.mean(left**2))) for left in (_left(problem, found.before.fit), better))
+        left = problem.measured - found.before.fit.predicted
+        was, now = (float(np.sqrt(np.mean(one**2))) for one in (left, better))
         return bare, [
             f"{one} and {other} look exchanged: with the columns of the two the other way round the model misses by "
             f"{now:.3g} K with nothing added, {was:.3g} K as they are; check which probe is where, and exchange them"
@@ -61,19 +62,14 @@ def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[
 def _begun(problem: HeatProblem) -> Iterator[str]:
     """Yield by how much the log begins warmer or colder than the document, where that is more than it may be."""
     clock, known = problem.runs[0].clock[0], problem.own[problem.kinds.index("start")]
-    delivered = problem.predict(np.array([constant.value for constant in problem.own]), {})
     first = np.array([curve.start for curve in problem.curves if curve.abscissa[0] <= _SOON * clock[-1]], dtype=int)
-    off = (problem.measured - delivered)[first]
+    off = (problem.measured - problem.delivered)[first]
     if len(off) and np.min(np.abs(off)) > _FAR * known.prior_sd and np.ptp(np.sign(off)) == 0.0:
         which = "warmer" if off[0] > 0.0 else "colder"
         yield (
             f"the log begins {abs(float(np.mean(off))):.3g} K {which} than the document says; "
             "give run.start what the probes read then"
         )
-
-
-def _left(problem: HeatProblem, fitted: Fit) -> Array:
-    return problem.measured - fitted.predicted
 
 
 def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | None:
@@ -84,8 +80,7 @@ def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | N
             continue
         data = problem.measured.copy()
         data[one.rows], data[other.rows] = problem.measured[other.rows], problem.measured[one.rows]
-        given = [constant.value for constant in problem.own]
-        again = fit(problem, found.noise, {}, given, data=data, iterations=_STEPS)
+        again = fit(problem, found.noise, {}, problem.given, data=data, iterations=_STEPS)
         if again.cost < (start if best is None else best[0]).cost:
             best = (again, one.name, other.name, data - again.predicted)
     if best is None or is_strained(problem, best[0]) or structured(best[0], problem, found.noise) > SMALL:
@@ -107,8 +102,7 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
     for curve in problem.curves:
         silent = found.noise.plain.sd.copy()
         silent[curve.rows] = np.inf
-        given = [constant.value for constant in problem.own]
-        again = fit(problem, replace(found.noise.plain, sd=silent), {}, given, iterations=_STEPS)
+        again = fit(problem, replace(found.noise.plain, sd=silent), {}, problem.given, iterations=_STEPS)
         free = len(again.residual) - (curve.stop - curve.start) - len(again.x)
         beyond = again.chi2 / max(free, 1) - 1.0
         if beyond <= most**2 and not is_strained(problem, again):
@@ -120,7 +114,8 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
 
 def _of_one(problem: HeatProblem, curve: Curve, fitted: Fit) -> str:
     """Return what is told of the probe that the others foretell otherwise."""
-    off, shown = _left(problem, fitted)[curve.rows], fitted.predicted[curve.rows]
+    shown = fitted.predicted[curve.rows]
+    off = problem.measured[curve.rows] - shown
     rms = float(np.sqrt(np.mean(off**2)))
     shapes = [np.ones(len(off)), -np.gradient(shown, curve.abscissa)]
     if "above ambient_K" in problem.states:

@@ -243,6 +243,16 @@ class Problem(ABC):
         """Return the prediction at every row, for own constants and ``terms``: effect id -> (form, constants)."""
 
     @property
+    def given(self) -> Array:
+        """The own constants as the model was given, (p,)."""
+        return np.array([constant.value for constant in self.own])
+
+    @property
+    def delivered(self) -> Array:
+        """What the model predicts as it was given, (rows,)."""
+        return self.predict(self.given, {}) if self.as_delivered is None else self.as_delivered
+
+    @property
     def expected(self) -> tuple[Constant, ...]:
         """The own constants with what is known of them beforehand, also where rows of their own speak for that."""
         return self.priors or self.own
@@ -294,10 +304,7 @@ class Problem(ABC):
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""
-        found = []
-        for one, rest in zip(own, values, strict=True):
-            found.append(self.predict(one, split(rest, forms)))
-        return np.stack(found)
+        return np.stack([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
 
     def extras(self) -> Sequence[Extra]:
         """Return the tests that could be done next."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.special import stdtr
@@ -26,16 +27,11 @@ def pulls(curves: Sequence[Curve]) -> list[Curve]:
 
 def replicates(curves: Sequence[Curve], channel: int = 0) -> list[tuple[Curve, Curve]]:
     """Return pairs of curves that were led the same way."""
-    setups: dict[tuple[str, int], list[Curve]] = {}
+    setups: dict[str, list[Curve]] = {}
     for curve in curves:
-        if curve.setup:
-            setups.setdefault((curve.setup, curve.channel), []).append(curve)
-    return [
-        (members[i], members[i + 1])
-        for members in setups.values()
-        for i in range(len(members) - 1)
-        if members[i].channel == channel
-    ]
+        if curve.setup and curve.channel == channel:
+            setups.setdefault(curve.setup, []).append(curve)
+    return [pair for members in setups.values() for pair in pairwise(members)]
 
 
 def ride(groups: Sequence[tuple[Array, Array]], tried: int) -> bool:
@@ -87,10 +83,10 @@ def told_apart(apart: Array, level: Array, others: Sequence[Array]) -> tuple[Arr
     return found[0], float(found[1][0, 0]), found[2]
 
 
-def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array, Array, Array, Array, Array]:
+def difference(y: Array, sd: Array, first: Curve, second: Curve) -> Array:
     """Return the second replicate minus the first at the second's places, their level, slope and mean sd there, and
-    between which readings of the first that is, as a number of rows and a part of one."""
-    found: list[tuple[Array, Array, Array, Array, Array]] = []
+    between which readings of the first that is, as a number of rows and a part of one, (5, places)."""
+    found = [np.empty((5, 0))]
     for one, other in _paired(first, second):
         if len(one) == 0:
             continue
@@ -102,11 +98,8 @@ def difference(y: Array, sd: Array, first: Curve, second: Curve) -> tuple[Array,
         # Of both, so that half the square of their difference is one.
         both = np.sqrt((sd[other][inside] ** 2 + np.interp(x2[inside], x1[order], sd[one][order] ** 2)) / 2.0)
         between = np.interp(x2[inside], x1[order], np.arange(len(order), dtype=np.float64)) + float(one[0])
-        found.append((y[other][inside] - there, level, _slope(x2[inside], level), both, between))
-    if not found:
-        return np.empty(0), np.empty(0), np.empty(0), np.empty(0), np.empty(0)
-    apart, level, slope, deviation, between = (np.concatenate([one[k] for one in found]) for k in range(5))
-    return apart, level, slope, deviation, between
+        found.append(np.stack([y[other][inside] - there, level, _slope(x2[inside], level), both, between]))
+    return np.concatenate(found, axis=1)
 
 
 def of_correlated(between: Array, rho: float) -> tuple[float, float]:

@@ -106,15 +106,14 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     source = "neighbouring readings"
     size = float(np.max(np.ptp(places, axis=0), initial=0.0)) or 1.0
     level = np.abs(values) if level is None else level
+    top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     tree = cKDTree(places)
     pairs = tree.query_pairs(_SAME * size, output_type="ndarray")
     if len(pairs) >= 6:
         apart = (values[pairs[:, 0]] - values[pairs[:, 1]]) / np.sqrt(2.0)
         # The same file under two names is no measure of noise.
-        top = float(np.max(np.abs(values), initial=0.0)) or 1.0
         spread = max(float(np.sqrt(np.mean(apart**2))), 1e-6 * top)
         return Guess(spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]]))
-    top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
         return _usual(level)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,8 +23,8 @@ from hyperfab.numerics.gram import inverse
 _STEPS = 4
 #: Share of the model's own constants that a form leaves which takes over from them.
 _NEXT_TO_NOTHING = 0.02
-#: Forms of an entry that are tried, and entries of which the forms that refine them are tried too.
-_FORMS, _RICH = 3, 3
+#: Entries that are tried, forms of one, and entries of which the forms that refine them are tried too.
+_ENTRIES, _FORMS, _RICH = 6, 3, 3
 
 
 @dataclass
@@ -34,15 +34,13 @@ class Search:
     problem: Problem
     noise: Noise
     tick: Callable[[str], None] = lambda text: None
-    refit: int = 6
-    _fits: dict[tuple[tuple[str, str], ...], Fit] = field(default_factory=dict)
-    _states: dict[tuple[tuple[str, str], ...], Candidate] = field(default_factory=dict)
+    _fits: dict[tuple, Fit] = field(default_factory=dict)
+    _states: dict[tuple, Candidate] = field(default_factory=dict)
     _own_optimum: Candidate | None = None
 
     def base(self) -> Candidate:
         """Return the model as it is, with its own constants refitted."""
-        given = np.array([constant.value for constant in self.problem.own])
-        fits = [fit(self.problem, self.noise, {}, start) for start in (given, *self.problem.starts)]
+        fits = [fit(self.problem, self.noise, {}, start) for start in (self.problem.given, *self.problem.starts)]
         best = min(fits, key=lambda one: one.cost)
         if not np.isfinite(best.chi2) or best.cost <= TOLD**2 * len(best.residual):
             return self.state(best)
@@ -58,7 +56,7 @@ class Search:
 
     def state(self, fitted: Fit) -> Candidate:
         """Judge a fit."""
-        key = tuple(sorted((name, form.name) for name, form in fitted.forms.items()))
+        key = _key(fitted.forms)
         if key not in self._states:
             self._states[key] = Candidate(self.problem, self.noise, fitted)
         return self._states[key]
@@ -75,23 +73,17 @@ class Search:
 
     def ranking(self, state: Candidate) -> list[tuple[Effect, float]]:
         """Return the entries not in the model, the one the residual points at most first."""
-        best: dict[str, float] = {}
-        for signature in state.found:
-            name = signature.effect.id
-            best[name] = max(best.get(name, 0.0), points_at(signature))
+        best = _greatest((one.effect.id, points_at(one)) for one in state.found)
         return [(self.problem.effect(name), best[name]) for name in sorted(best, key=lambda name: -best[name])]
 
     def worth(self, state: Candidate) -> dict[str, float]:
         """Return what each entry not in the model would lower BIC by, to first order: along its best signature."""
         time = correlation_time(state.fit.residual, self.problem.curves)
         penalty = float(np.log(max(len(state.fit.residual) / time, 3.0)))
-        best: dict[str, float] = {}
-        for signature in state.found:
-            gain = points_at(signature) ** 2 / max(state.excess, 1.0) / time
-            gain -= len(signature.form.constants) * penalty
-            name = signature.effect.id
-            best[name] = max(best.get(name, -np.inf), gain)
-        return best
+        return _greatest(
+            (one.effect.id, points_at(one) ** 2 / max(state.excess, 1.0) / time - len(one.form.constants) * penalty)
+            for one in state.found
+        )
 
     def with_term(self, state: Candidate, effect: Effect, families: int = 1, most: int = 99) -> Fit | None:
         """Return the best joint fit of the model with ``effect``: its forms, then those that refine them.
@@ -100,10 +92,7 @@ class Search:
         bounds the constants of the forms that refine. Where the data cannot show the simple form, a richer one is
         tried on its own.
         """
-        rank: dict[str, float] = {}
-        for signature in state.found:
-            if signature.effect is effect:
-                rank[signature.form.name] = max(rank.get(signature.form.name, 0.0), points_at(signature))
+        rank = _greatest((one.form.name, points_at(one)) for one in state.found if one.effect is effect)
         basic = sorted(
             (
                 form
@@ -118,11 +107,8 @@ class Search:
         if not fits:
             return None
         found = self.lowest(fits)
-        rich = [
-            one
-            for one in fits
-            if any(form.enriches(one.forms[effect.id].name) and not form.free for form in effect.forms)
-        ]
+        refined = {name for form in effect.forms if not form.free for name in form.simpler}
+        rich = [one for one in fits if one.forms[effect.id].name in refined]
         for one in sorted(rich, key=lambda one: one.chi2)[:families]:
             if not self._is_spent(found):
                 found = self.lowest([found, self._refined(state.fit, effect, one, most)])
@@ -148,7 +134,7 @@ class Search:
         A term that carries most of the stress leaves the others far from where they do without it.
         """
         forms = {key: form for key, form in state.fit.forms.items() if key != name}
-        key = tuple(sorted((one, form.name) for one, form in forms.items()))
+        key = _key(forms)
         if key in self._states:
             return self._states[key]
         keep = np.ones(len(state.fit.x), dtype=bool)
@@ -182,9 +168,8 @@ class Search:
                 for one in self.problem.effect(name).forms
                 if form.refines is not None and one.refines is None and len(form.constants) - len(one.constants) > 2
             ]
-            others = [(key, one.name) for key, one in state.fit.forms.items() if key != name]
-            fits = [self._fits.get(tuple(sorted([*others, (name, one.name)]))) for one in simple]
-            fitted = [one for one in fits if one is not None]
+            keys = [_key({**state.fit.forms, name: one}) for one in simple]
+            fitted = [self._fits[key] for key in keys if key in self._fits]
             if fitted:
                 found.append(self.state(min(fitted, key=lambda one: one.chi2)))
         return found
@@ -231,7 +216,7 @@ class Search:
 
     def _enriched(self, parent: Fit, name: str, form: Form) -> Fit | None:
         forms = {key: (form if key == name else one) for key, one in parent.forms.items()}
-        key = tuple(sorted((one, kind.name) for one, kind in forms.items()))
+        key = _key(forms)
         if key not in self._fits:
             self.tick(name)
             given = {one: parent.x[parent.place(one)] for one in parent.forms}
@@ -263,7 +248,7 @@ class Search:
     def joint(self, parent: Fit, effect: Effect, form: Form, simpler: Fit | None = None) -> Fit | None:
         """Return the best fit of a model with a term more; None where it has none."""
         forms = {**parent.forms, effect.id: form}
-        key = tuple(sorted((name, one.name) for name, one in forms.items()))
+        key = _key(forms)
         if key in self._fits:
             return self._fits[key]
         self.tick(effect.id)
@@ -276,7 +261,7 @@ class Search:
             kept, others = self.problem.scaled(parent.x[: parent.own], _NEXT_TO_NOTHING), parent.x[parent.own :]
             starts += [np.concatenate([kept, others, np.array(start)]) for start in form.starts]
         # A model that lacks much drifts far from what is known: the way back is long, or leads elsewhere.
-        own = [constant.value for constant in self.problem.own]
+        own = self.problem.given
         delivered = [np.concatenate([own, start[len(own) :]]) for start in starts]
         # Where a law has several optima each way is gone to its end.
         ways = [starts, delivered] if self.problem.has_valleys else [starts + self.problem.well_known * delivered]
@@ -353,18 +338,30 @@ class Search:
     def candidates(self, state: Candidate) -> list[tuple[Candidate, Evidence]]:
         """Return the models with one term more, those of lowest BIC first; the best of them in their richest form."""
         simple = []
-        for effect, _ in self.ranking(state)[: self.refit]:
+        for effect, _ in self.ranking(state)[: max(self.problem.rich, _ENTRIES)]:
             fitted = self.with_term(state, effect, families=0)
             if fitted is not None:
                 simple.append((effect, fitted))
         simple.sort(key=lambda pair: pair[1].chi2)
         found = []
         for place, (effect, fitted) in enumerate(simple):
-            if place < (_RICH if state.ids else max(self.problem.rich, _RICH)):
+            if place < (_RICH if state.ids else self.problem.rich):
                 fitted = self.with_term(state, effect, _FORMS if place == 0 else 1) or fitted
             larger = self.state(fitted)
             found.append((larger, self.evidence(state, larger)))
         return sorted(found, key=lambda pair: -pair[1].delta_bic)
+
+
+def _key(forms: Mapping[str, Form]) -> tuple:
+    return tuple(sorted((name, form.name) for name, form in forms.items()))
+
+
+def _greatest(values: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Return the greatest value of each name."""
+    found: dict[str, float] = {}
+    for name, value in values:
+        found[name] = max(found.get(name, -np.inf), value)
+    return found
 
 
 def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:

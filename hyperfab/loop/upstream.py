@@ -309,9 +309,8 @@ def _best(
 
 
 def _slope(chapter: Chapter, root: Array, sd: Array, place: Array, value: Array) -> Array:
-    columns = []
-    for way in np.eye(len(place)) * _DIFFERENCE:
-        columns.append((chapter.predict(root @ (place + way)) - value) / (_DIFFERENCE * sd))
+    ways = place + _DIFFERENCE * np.eye(len(place))
+    columns = [(chapter.predict(root @ there) - value) / (_DIFFERENCE * sd) for there in ways]
     return np.array(columns).T.reshape(len(value), len(place))
 
 
@@ -327,11 +326,8 @@ def _something(left: Array, readings: Readings) -> tuple[Array, Array]:
     def likely(mode: Array) -> list[float]:
         values, vectors = np.linalg.eigh(mode)
         along = (vectors.T @ left) ** 2
-        found = []
-        for size in _SIZES:
-            variance = 1.0 + size**2 * np.maximum(values, 0.0)
-            found.append(readings.likely(float(np.sum(along / variance)), float(np.sum(np.log(variance)))))
-        return found
+        variances = [1.0 + size**2 * np.maximum(values, 0.0) for size in _SIZES]
+        return [readings.likely(float(np.sum(along / one)), float(np.sum(np.log(one)))) for one in variances]
 
     fields = [likely(np.where(alike, np.exp(-0.5 * (apart / one) ** 2), 0.0)) for one in _LENGTHS]
     return np.array(likely(np.eye(len(left)))), np.concatenate(fields)

@@ -14,10 +14,13 @@ import pytest
 from conftest import Run
 from loop.generators import fabric as truths
 
+from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.close_loop.measured_tests import read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
+from hyperfab.io.layout import PLAIN
+from hyperfab.materials.modes import OF_A_SHEET
 
 MODEL = {
     "format": "hyperfab.material/1",
@@ -331,7 +334,8 @@ def test_the_axes_of_a_general_biaxial_test_are_across_each_other(tmp_path: Path
     rows = "".join(f"{1 + 0.01 * i:.6g},{0.01 * i:.6g},{1 + 0.005 * i:.6g},{0.008 * i:.6g}\n" for i in range(9))
     head = "# test: biaxial-general\nstretch,stress [MPa],stretch 2,stress 2 [MPa]\n"
     (tmp_path / "both.csv").write_text(head + rows)
-    measured = read_measured(Job("close-loop", [], Console(True)), [str(tmp_path / "both.csv")], None, None)
+    job = Job("close-loop", [], Console(True))
+    measured = read_measured(job, [str(tmp_path / "both.csv")], PLAIN, None, {}, How(), OF_A_SHEET)
     assert [test.angle_deg for test in measured.tests] == [0.0, 90.0]
 
 

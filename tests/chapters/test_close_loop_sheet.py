@@ -11,10 +11,9 @@ import numpy as np
 import pytest
 from conftest import Run
 
-from hyperfab.chapters.close_loop.extended import extend
+from hyperfab.chapters.close_loop.extended import extend, in_terms
 from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.measured_tests import Measured
-from hyperfab.chapters.close_loop.whole_sheet import in_terms
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Direction, MaterialDocument, Undetermined
 from hyperfab.loop.fabric import FabricProblem

@@ -100,6 +100,17 @@ def test_the_model_as_delivered_is_told_beside_the_refitted_one(hf: Run, model: 
     assert f"{given['rms']:.3g} MPa ({100 * given['relative_rms']:.2g} %)" in told
 
 
+def test_readings_beyond_what_the_model_as_delivered_can_answer_are_counted(hf: Run, model: Path) -> None:
+    """A law that locks before the last readings: what it misses as delivered was passed over in silence."""
+    lock = 1.45**2 + 2.0 / 1.45 - 3.0
+    law = {"model": "gent", "parameters": {"mu_MPa": 0.2, "Im": lock}}
+    (model / "m.json").write_text(json.dumps(MODEL | law))
+    found, told = closed(hf, model, [write(model, "a.csv")])
+    assert "delivered" not in found["error"]
+    beyond = int(np.count_nonzero(np.linspace(1.0, 1.5, 60) >= 1.45))
+    assert f"As delivered the model has no answer at {beyond} of 60 readings." in told
+
+
 def test_constants_that_leave_what_is_known_of_them_are_told(hf: Run, model: Path) -> None:
     """The model is twice as stiff as the cloth at rest: a good fit that moves it so far is no sign of a good model."""
     name = write(model, "a.csv")
@@ -302,6 +313,12 @@ def test_a_force_per_width_keeps_its_unit_where_the_thickness_is_none(hf: Run, m
     assert "MPa (" not in told
 
 
+def test_a_force_per_width_in_another_unit_is_asked_about_in_its_own(hf: Run, model: Path) -> None:
+    (model / "m.json").write_text(json.dumps({**MODEL, "thickness_mm": 1.0, "thickness_nominal": True}))
+    _, told = closed(hf, model, [write(model, "a.csv", unit="N/mm", gain=30.0)])
+    assert "readings in N/mm are" in told
+
+
 def test_a_modulus_that_no_material_has_is_not_given(hf: Run, model: Path) -> None:
     """Curves flat at rest, one a direction: unbounded constants would begin with a negative modulus."""
     rng, files = np.random.default_rng(0), []
@@ -409,8 +426,7 @@ def test_a_thermocouple_that_jumps_for_a_row_or_two_is_told_and_left_out(
     read = read_thermocouples(Job("close-loop", [], Console(True)), "t.csv", ["a", "b"], PLAIN)
     assert np.flatnonzero(~np.isfinite(read.readings[:, 0])).tolist() == list(rows)
     assert np.all(np.isfinite(read.readings[:, 1]))
-    assert read.glitches == {"a": len(rows)}
-    assert read.missing == {}
+    assert read.left_out == {"a off its neighbours": len(rows)}
     assert "t.csv, line 32: a reads" in capsys.readouterr().err
 
 
@@ -464,13 +480,15 @@ def test_what_might_stand_in_place_of_a_name_with_more_constants_is_told(beside:
 
 def test_the_noise_of_readings_set_apart_is_that_of_all_others_of_their_kind() -> None:
     """Where it goes with the reading that of the first row is the least; what is known of constants is no reading."""
-    problem = SimpleNamespace(channel=np.array([0, 0, 0, 1, 0, 0]), predict=lambda own, terms: np.arange(6.0))
+    problem = SimpleNamespace(
+        channel=np.array([0, 0, 0, 1, 0, 0]), predict=lambda own, terms: np.arange(6.0), units=("N",)
+    )
     fit = SimpleNamespace(x=np.zeros(1), own=1, terms={})
     noise = SimpleNamespace(sd=np.array([0.1, 0.5, 0.7, 1.0]), gain_sd=0.0)
     state = SimpleNamespace(fit=fit)
     found = SimpleNamespace(before=state, after=state, noise=noise)
     apart = Apart(problem, slice(4, None), np.array([4.5, 4.5]))  # type: ignore[arg-type]
-    errors = errors_apart(apart, found, "N")  # type: ignore[arg-type]
+    errors = errors_apart(apart, found)  # type: ignore[arg-type]
     assert errors.noise.rms == pytest.approx(np.sqrt((0.01 + 0.25 + 0.49) / 3.0))
     assert errors.after.rms == pytest.approx(0.5)
 

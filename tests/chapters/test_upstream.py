@@ -433,13 +433,11 @@ class Straight:
 
         return 0.0 * PLACES, [link("mold", 1.0), link("mounting", 0.6)]
 
-    def corrected(self, link: Link, change: Array) -> Any:
+    def run_anew(self, link: Link, change: Array, readings: Any) -> tuple[Any, Array]:
         if link.name == self.silent:
             raise NotConverged("no rest")
-        return link.name
-
-    def shown(self, link: Link, change: Array, corrected: Any, readings: Any) -> Array:
-        return link.predict(change) + (change[0] ** 2 * (PLACES - 3.0) ** 2 if link.name == self.bends else 0.0)
+        bent = change[0] ** 2 * (PLACES - 3.0) ** 2 if link.name == self.bends else 0.0
+        return link.name, link.predict(change) + bent
 
 
 #: Where a straight chain is read, its readings, and their noise.

@@ -63,3 +63,29 @@ def test_a_law_that_softens_says_where_and_goes_on_level():
 def test_measured_stretches_must_rise():
     with pytest.raises(ValueError, match="rise"):
         piecewise_linear([1.0, 1.2, 1.1], [0.0, 1.0, 2.0])
+
+
+def test_a_kink_costs_the_pieces_beside_it_alone():
+    """Threads that come to bear at a stretch of their own: all 512 pieces were halved for it."""
+
+    def law(lam):
+        late = np.maximum(lam - 1.3007, 0.0)
+        return lam - lam**-2 + late**2, 1.0 + 2.0 * lam**-3 + 2.0 * late
+
+    table = tabulate(law, 4.0)
+    lam = np.linspace(1.0, 4.0, 9973)
+    assert np.abs(table(lam)[1] - law(lam)[0]).max() < 1e-9 * law(4.0)[0]
+    assert len(table.knots) < 550
+
+
+def test_a_law_that_locks_is_not_asked_of_what_lies_far_beyond():
+    asked = []
+
+    class Locks:
+        def uniaxial(self, stretch):
+            asked.append(np.max(stretch))
+            return bind("gent", {"mu_MPa": 0.2, "Im": 0.5}).uniaxial(stretch)
+
+    with np.errstate(all="ignore"):
+        assert spring_law(Locks()).largest_stretch < 1.6
+    assert max(asked) < 2.0

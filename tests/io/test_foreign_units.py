@@ -82,3 +82,11 @@ def test_an_extension_of_the_grips_beside_that_of_marks_is_no_contradiction() ->
 def test_a_strain_of_less_than_one_per_cent_is_told() -> None:
     (curve,) = read_tests(b"Strain (%),Stress (MPa)\n0,0\n0.2,0.1\n0.5,0.3\n", "a.csv", test="uniaxial")
     assert any("0.5 % at most" in note for note in curve.notes)
+
+
+def test_of_columns_of_no_known_name_the_one_that_holds_the_word_is_proposed() -> None:
+    """Of a blown film's channels the pressure was proposed as strain, its curvature as stress."""
+    text = "Pressure_02,CurvatureMD_02,StrainEngMD_02,StressEngMD_02\n0.1,-1e-5,0.001,0.2\n0.2,-2e-5,0.002,0.5\n"
+    with pytest.raises(InputError) as told:
+        read_tests(text.encode(), "a.csv")
+    assert '"StrainEngMD_02=strain [-],StressEngMD_02=stress [MPa]"' in str(told.value.remedy)

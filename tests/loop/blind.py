@@ -159,8 +159,7 @@ def carried_out(
     )
     [new] = as_tests(_measure_of(truth)(truth, [setup], np.random.default_rng([seed, 99]), noise))
     tests = [*problem.tests, replace(new, source="the next test", specimen="the next")]
-    made: FabricProblem = problem.remake(tests)  # type: ignore[operator]
-    return made
+    return problem.remake(tests)
 
 
 def without_its_formula(problem: FabricProblem, found: Finding) -> FabricProblem | None:

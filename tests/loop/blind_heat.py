@@ -90,7 +90,6 @@ def posed(truth: truths.Truth | other_heat.Truth, noise: float, protocol: str, s
         reduced,
         times,
         readings,
-        range(len(one.names)),
         one.names,
         one.own,
         list(one.problem.joints),

@@ -76,7 +76,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
     ]
     files = as_readings(read)
     model = told(*HOT) if protocols[0] == "hot" else told()
-    problem = pose(model, [(one, None) for one in files], 0.10, [])[0]
+    problem = pose(model, files, 0.10, [])[0]
     loud = {one.name: noise * truths.sd_of(kind) for one, kind in zip(files, read, strict=True)}
     sd = np.ones(len(problem.measured))
     for part, curve in zip(problem.files, problem.curves, strict=False):

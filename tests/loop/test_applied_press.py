@@ -67,7 +67,7 @@ def posed(case: PressCase, hot: bool) -> Posed:
     files = blind_press.as_readings(read)
     if hot:
         files.append(replace(files[-1], name="warm.csv", temperature=110.0))
-    problem = pose(told, [(one, None) for one in files], 0.1, [])[0]
+    problem = pose(told, files, 0.1, [])[0]
     return Posed(case, told, problem, np.array([constant.value for constant in problem.own]), hot)
 
 

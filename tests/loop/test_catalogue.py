@@ -18,6 +18,7 @@ from hyperfab.loop.emulator import Axis
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.heat import _MENU
+from hyperfab.loop.press_reading import Setting
 from hyperfab.loop.problem import Form
 from hyperfab.materials import laws
 from hyperfab.materials.effects.path import UNIAXIAL
@@ -78,7 +79,17 @@ CONTEXTS = {
     ),
     "contact": contact.DataContext((20.0, 60.0), 20.0, (0.05, 0.2), 0.5, 10.0, 2.0, 1.5, 6.0),
     "drape": drape.DataContext((0.05, 0.2), 0.5, 0.1, 300.0, 0.06, 8.0),
-    "press": press.DataContext(60.0, 500.0, 5.0, True, True, 600.0, True, True),
+    "press": press.DataContext(
+        setting=Setting(1.0, force=500.0, floating=True, half_mm=60.0),
+        foam=press.FoamContext(),
+        force_N=500.0,
+        travel_mm=5.0,
+        time_s=600.0,
+        pressure_MPa=0.005,
+        temperatures=(20.0,),
+        strokes=True,
+        formed=False,
+    ),
 }
 
 

@@ -72,7 +72,7 @@ def test_combinations_are_told_as_the_constants_of_the_document() -> None:
     assert problem.as_stated(own) == pytest.approx(given, rel=1e-9)
     twice = problem.as_stated(problem.scaled(own, 2.0))
     assert twice == pytest.approx({name: 2.0 * value for name, value in given.items()}, rel=1e-9)
-    wider: FabricProblem = problem.remake([*problem.tests, *problem.tests[:1]])  # type: ignore[operator]
+    wider = problem.remake([*problem.tests, *problem.tests[:1]])
     assert wider.as_stated(own) == problem.as_stated(own)
 
 

@@ -36,7 +36,7 @@ def read_through(frame: Callable[[np.ndarray], np.ndarray], noise: float, seed: 
     off = noise * caps.sd_of(plain) * random.standard_normal(len(plain.values))
     stroke = plain.stroke + frame(plain.values / plain.values.max())
     files = blind_press.as_readings([replace(plain, values=plain.values + off, stroke=stroke)])
-    problem = pose(blind_press.told(), [(one, None) for one in files], 0.10, [])[0]
+    problem = pose(blind_press.told(), files, 0.10, [])[0]
     return close_rounds(problem, Files([(one, None) for one in files]).noise, design=False)[1]
 
 
@@ -79,7 +79,7 @@ def test_play_is_taken_up_before_the_spring() -> None:
 def test_a_press_stands_where_its_frame_opens_to_under_the_force(frame: Frame, deeper: float) -> None:
     """Also where it is shut further than any opening of the table, beyond which the force is that of the last one."""
     files = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
-    problem = pose(blind_press.told(), [(one, None) for one in files], 0.1, [])[0]
+    problem = pose(blind_press.told(), files, 0.1, [])[0]
     problem.setting = replace(problem.setting, opening=problem.setting.opening - deeper)
     own = {one.name: one.value for one in problem.own}
     constants = np.array([frame.play, frame.taken_up, 1e3 * frame.compliance])

@@ -20,7 +20,7 @@ from hyperfab.loop.engine import _likely, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.judge import Candidate
-from hyperfab.loop.no_worse import is_no_worse, no_worse, pruned
+from hyperfab.loop.no_worse import is_no_worse, no_worse, none_apart, pruned
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.search import Search
@@ -166,7 +166,7 @@ def test_a_model_that_misses_left_out_tests_by_more_is_none() -> None:
     forms = {"elastic-law": problem.effect("elastic-law").form("straightening-log")}
     start = np.concatenate([base.fit.x, [0.05, 0.3, 0.05, 0.0]])
     larger = search.state(fit(problem, search.noise, forms, start))
-    kept = no_worse(search, base, larger, None)
+    kept = no_worse(search, base, larger, none_apart)
     assert is_no_worse(base, kept)
 
 

@@ -26,7 +26,7 @@ from hyperfab.pressing.mold import Pose, guide_line
 def posed() -> PressProblem:
     random = np.random.default_rng(2)
     read = blind_press.as_readings(caps.measure(caps.Truth(()), random, 0.0, "rich"))
-    return pose(blind_press.told(), [(one, None) for one in read], 0.1, [])[0]
+    return pose(blind_press.told(), read, 0.1, [])[0]
 
 
 def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit() -> None:
@@ -108,7 +108,7 @@ def test_a_floating_female_turns_in_the_loop_as_it_does_in_the_press() -> None:
     level = blind_press.told("", options)
     turned = blind_press.told("variation = { x = 0.08, y = -0.03 }\n", options).closed
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "film"))
-    problem = pose(level, [(one, None) for one in read], 0.1, [])[0]
+    problem = pose(level, read, 0.1, [])[0]
     own = {one.name: one.value for one in problem.own}
     wedge = {"thickness-variation": ("wedge", np.array([0.08, -0.03]))}
     none, tilt = (problem._set(problem._moved(own, problem.changes(one)), own).hangs.turn for one in ({}, wedge))
@@ -156,7 +156,7 @@ def test_what_is_measured_next_shows_one_entry_and_not_its_look_alike(
     one: str, form: str, values: list[float], other: str, simple: str, like: list[float], kind: str
 ) -> None:
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
-    problem = pose(blind_press.told(*blind_press.HOT), [(reading, None) for reading in read], 0.1, [])[0]
+    problem = pose(blind_press.told(*blind_press.HOT), read, 0.1, [])[0]
     own, rows = np.array([constant.value for constant in problem.own]), len(problem.measured)
     extra = next(
         extra.problem
@@ -180,7 +180,7 @@ def test_molds_have_grown_by_what_heat_made_of_them_as_warm_as_they_were_read() 
     hot, cold = caps.HOT_DEGC, told.reference
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "film"))[0]
     at = [replace(read, name=f"{t}.csv", temperature=t) for t in (hot, cold, 0.5 * (hot + cold))]
-    problem = pose(told, [(one, None) for one in at], 0.1, [])[0]
+    problem = pose(told, at, 0.1, [])[0]
     own = np.array([one.value for one in problem.own])
 
     def grown(strain: float) -> list[np.ndarray]:
@@ -202,7 +202,7 @@ def test_foam_that_is_told_by_several_laws_is_as_stiff_as_at_the_temperature_of_
     foam = "\n".join(line for line in caps.FOAM_TOML.splitlines() if not line.startswith("compression"))
     told = blind_press.told(f"compression = [{', '.join(laws)}]\n", blind_press.HOT[1], foam=f"{foam}\n")
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "stroke"))
-    problem = pose(told, [(replace(read[0], temperature=110.0), None)], 0.1, [])[0]
+    problem = pose(told, [replace(read[0], temperature=110.0)], 0.1, [])[0]
     warmth = problem.files[0].warmth
     assert warmth is not None
     assert warmth.law is not None
@@ -228,7 +228,7 @@ def test_foam_that_is_not_equally_hot_everywhere_is_pressed_as_the_press_does_it
     closed, some = told.closed, np.arange(0, len(told.closed.cold), 40)
     assert np.ptp(closed.press.sandwich.law.stress(0.3)) > 1e-4
     read = Reading("film.csv", "pressure", np.zeros(len(some)), places=told.frame.outward(closed.cold[some]))
-    problem = pose(told, [(read, None)], 0.1, [])[0]
+    problem = pose(told, [read], 0.1, [])[0]
     found = problem.predict(np.array([one.value for one in problem.own]), {})
     order = np.concatenate([part.index for part in problem.files]).astype(int)
     most = closed.contact.pressure.max()
@@ -240,7 +240,7 @@ def test_what_stays_is_taken_off_what_the_press_pressed() -> None:
     read = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))
     thick = next(one for one in read if one.kind == "thickness")
     there = [replace(thick, kind=kind) for kind in ("thickness", "formed")]
-    problem = pose(blind_press.told(), [(one, None) for one in there], 0.1, [])[0]
+    problem = pose(blind_press.told(), there, 0.1, [])[0]
     own = np.array([one.value for one in problem.own])
     pressed, whole, half, stretched = (
         problem.predict(own, terms)[problem.channel == channel]

@@ -73,7 +73,7 @@ def told(change: str) -> list[str]:
         rows[0] = np.interp(np.arange(61) + 1.0, np.arange(61), rows[0])
     problem = replace(posed, measured=rows.ravel())
     noise = estimate_noise(problem, (0.89 if "too small" in change else 1.0) * NOISE)
-    before = Search(problem, noise, lambda text: None, 6).base()
+    before = Search(problem, noise).base()
     return looked_through(problem, Finding("unexplained", noise, before, before, {}, {}, {}, {}))[1]
 
 

@@ -16,7 +16,7 @@ from scipy.special import gamma, kv
 
 from hyperfab.chapters.close_loop import coupled
 from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
-from hyperfab.chapters.close_loop.words import another_unit, delivered_of, strange_probes
+from hyperfab.chapters.close_loop.words import another_unit, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
@@ -132,7 +132,7 @@ def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> No
     sheet = np.stack([x, y, 40.0 * np.exp(-((x / 60.0) ** 2) - (y / 60.0) ** 2)], axis=2)
     problem = problem.on(replace(problem.draped, base=sheet))
     axis, rng = problem.states["axis"], np.random.default_rng(7)
-    given = delivered_of(problem)
+    given = problem.delivered
     places = np.stack([given[: len(axis)][axis == way] for way in range(3)], axis=1)
     about = np.deg2rad(turned) * np.array([0.6, 0.0, 0.8])
     moved = Rotation.from_rotvec(about).apply(places) + turned * np.array([1.0, -2.0, 0.5])
@@ -310,7 +310,7 @@ def test_what_is_between_the_runs_is_as_smooth_as_materns_five_halves() -> None:
 @pytest.mark.parametrize("factor", [1000.0, 1e-3, 1.0 / 9.80665, 25.4])
 def test_readings_in_another_unit_than_stated_are_asked_about(factor: float) -> None:
     problem = contact()
-    given = delivered_of(problem)
+    given = problem.delivered
     problem.measured = given * factor
     [told] = another_unit(problem)
     assert f"{factor:.3g} times" in told
@@ -330,7 +330,7 @@ def test_noise_that_is_known_badly_and_guessed_too_low_is_nothing_else(low: floa
     problem = contact()
     sd = np.ones(len(problem.measured))
     sd[:45] = 0.02
-    problem.measured = delivered_of(problem)
+    problem.measured = problem.delivered
     problem.measured[:45] += 0.02 * np.random.default_rng(1).standard_normal(45)
     found = close(problem, noise=Noise(low * sd, 2.0, "a guess"), design=False)
     assert found.verdict == "noise"
@@ -352,7 +352,7 @@ def test_a_thermocouple_at_fault_is_told_from_the_others(third: Callable[[np.nda
     curves = tuple(Curve(name, 30 * k, 30 * k + 30, warm) for k, name in enumerate(("a", "b", "c")))
     given = np.tile(warm, 3)
     problem: Any = SimpleNamespace(
-        states={"probe": given}, curves=curves, own=(), as_delivered=None, predict=lambda own, terms: given,
+        states={"probe": given}, curves=curves, delivered=given,
         measured=np.concatenate([1.1 * warm, 1.05 * warm, third(warm)]),
     )  # fmt: skip
     said = strange_probes(problem)
@@ -366,7 +366,7 @@ def test_a_thermocouple_that_stays_cold_is_not_at_fault_for_its_noise() -> None:
     given = np.concatenate([warm, warm, cold])
     noise = 0.3 * np.random.default_rng(2).standard_normal(30)
     problem: Any = SimpleNamespace(
-        states={"probe": given}, curves=curves, own=(), as_delivered=None, predict=lambda own, terms: given,
+        states={"probe": given}, curves=curves, delivered=given,
         measured=np.concatenate([1.1 * warm, 1.05 * warm, cold + noise]),
     )  # fmt: skip
     assert strange_probes(problem) == []

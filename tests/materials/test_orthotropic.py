@@ -273,6 +273,44 @@ def test_biaxial_tests_at_several_ratios_tell_the_contraction_and_the_second_inv
         np.testing.assert_allclose(strip(found, angle, LAM).width, own.width, rtol=1e-3)
 
 
+def test_a_steep_warp_beside_a_weft_that_stretches_far_is_found():
+    """How steep threads may grow went by the farthest stretch of any: most of the warp's stress was missed."""
+    law = Orthotropic.of({"C10_MPa": 0.05, "k1_warp_MPa": 0.04, "k2_warp": 4.0})
+    far = np.linspace(1.1, 3.2, 20)
+    weft = strip(law, 90.0, far).stress
+    found = identify([_pulls(law, 0.0), TestCurve("uniaxial", far, weft, 1.0 / weft, direction=90.0)])
+    assert found.sse < 1e-12
+    assert found.law.parameters["k2_warp"] == pytest.approx(4.0, rel=1e-6)
+
+
+def test_biaxial_pulls_that_draw_the_warp_in_tell_inclined_threads_and_none_along_it():
+    """Pulls at five ratios counted as one kind, and threads that nothing pulls had 1e6 MPa."""
+    law = Orthotropic.of({"C10_MPa": 0.02, "k1_bias_MPa": 0.05, "k2_bias": 2.0, "bias_deg": 20.0})
+    weft, tests = np.linspace(1.05, 3.2, 15), []
+    for drawn in (0.45, 0.6, 0.75, 0.9):
+        warp = np.linspace(0.99, drawn, 15)
+        one, two, _ = held(law, 0.0, warp, weft)
+        even = np.full(15, 1.0 / two.max())
+        tests.append(TestCurve("biaxial-general", warp, one, even, weft, two, even, direction=0.0))
+    found = identify(tests)
+    assert {one.name for one in found.unknown} == {"k1_warp_MPa", "k2_warp", "G_MPa"}
+    assert found.law.parameters["k1_warp_MPa"] == 0.0
+    assert found.law.parameters["bias_deg"] == pytest.approx(20.0, abs=1e-3)
+
+
+def test_pulls_of_a_weft_that_stretches_far_more_than_the_warp_are_of_several_ratios():
+    """Strains of 0.2 along the warp beside 1.6 along the weft counted as planar shear all, and told no coupling."""
+    law = Orthotropic.of({**KNIT, "k1_bias_MPa": 0.0, "G_MPa": 0.0})
+    tests = []
+    for one, other in ((1.0, 1.0), (1.0, 0.5), (0.5, 1.0)):
+        warp, weft = 1.0 + one * (LAM - 1.0) / 3.0, 1.0 + other * (LAM - 1.0) * 2.7
+        along, across, _ = held(law, 0.0, warp, weft)
+        even = 1.0 / np.maximum(along, across)
+        tests.append(TestCurve("biaxial-general", warp, along, even, weft, across, even, direction=0.0))
+    assert {one.name for one in sought_by(tests)[1]} == {"G_MPa"}
+    assert identify(tests).sse < 1e-12
+
+
 def test_one_slanted_angle_says_nothing_of_inclined_threads():
     def pulls(*angles: float) -> set[str]:
         return {one.name for one in sought_by([_softening(angle) for angle in angles])[1]}

@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hyperfab.chapters.close_loop.describe import errors_of
+from hyperfab.chapters.close_loop.describe import errors_of, evidence_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.drape import Forward, pose_sheet
-from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, apart_of, close_rounds
+from hyperfab.chapters.close_loop.finalise import Extension, Instead, Ticks, Traces, close_rounds
 from hyperfab.chapters.close_loop.readings import Files
-from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.validity import Ranges
-from hyperfab.documents.loop import AddedEffect, Evidence, LoopDocument
+from hyperfab.documents.loop import AddedEffect, LoopDocument
 from hyperfab.errors import HyperfabError
 from hyperfab.loop.drape import DrapeProblem, Markers, drape_problem
 from hyperfab.loop.engine import Finding
@@ -48,8 +47,7 @@ def misses(forward: Forward, problem: DrapeProblem, files: Sequence[Markers], fo
         return None
     posed = drape_problem(replace(problem.draped, base=places), files)
     rows = slice(posed.curves[-1].start)  # the last is what is known of the constants
-    given = np.array([one.value for one in posed.own])
-    left = float(np.sqrt(np.mean((posed.measured - posed.predict(given, {}))[rows] ** 2)))
+    left = float(np.sqrt(np.mean((posed.measured - posed.delivered)[rows] ** 2)))
     net = float(np.sqrt(np.mean((found.after.fit.predicted - problem.measured)[rows] ** 2)))
     return left if left < _COUPLED * net else None
 
@@ -76,7 +74,7 @@ class InsteadOfNet:
         coupled, files = membrane_of(self.forward), self.files
         draped = pose_sheet(coupled, lambda share: tick("the fabric as a membrane"))
         posed = drape_problem(draped, files.plain, prior=self.given.surely, fixed=self.given.case.fix)
-        posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=apart_of(files))
+        posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=files.misses)
         if other.verdict == "unexplained":
             return None
         own = found.before.fit.x[: found.before.fit.own]
@@ -104,23 +102,15 @@ class InsteadOfNet:
 
 def _tell(result: LoopDocument, net: DrapeProblem, posed: DrapeProblem, found: Finding) -> None:
     """Say of a finding on a membrane that it stands for a net: with coupling as the first that is added."""
-    effect, gained = posed.effect(COUPLING), found.added[COUPLING]
-    evidence = Evidence(
-        delta_bic=gained.delta_bic,
-        variance_share=gained.variance_share,
-        held_out_share=gained.help.taken if gained.help is not None else None,
-        tests_helped=gained.help.helped if gained.help is not None else None,
+    effect, evidence = posed.effect(COUPLING), evidence_of(found, COUPLING)
+    coupling = AddedEffect(
+        id=COUPLING, title=effect.title, form="membrane", source=effect.source, parameters={}, evidence=evidence
     )
-    result.effects.insert(
-        0,
-        AddedEffect(
-            id=COUPLING, title=effect.title, form="membrane", source=effect.source, parameters={}, evidence=evidence
-        ),
-    )
+    result.effects.insert(0, coupling)
     for row in result.candidates:
         if row.id == COUPLING:
             row.not_sought = None
     first = net.channel == 0
-    delivered = delivered_of(net)[first]
+    delivered = net.delivered[first]
     sd = found.noise.sd[first]
     result.error.delivered = errors_of(net.measured[first], delivered, delivered, sd, net.units[0]).before

@@ -10,7 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import parts_of
-from hyperfab.chapters.close_loop.words import delivered_of, doubts, strength, summary
+from hyperfab.chapters.close_loop.words import doubts, strength, summary
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.loop import (
@@ -35,7 +35,6 @@ from hyperfab.loop.problem import Problem
 def describe(
     problem: Problem,
     found: Finding,
-    unit: str,
     left_out: Mapping[str, int],
     warnings: Sequence[str],
     domain: str = "fabric",
@@ -47,13 +46,13 @@ def describe(
         verdict=found.verdict,
         effects=[_added(problem, found, name) for name in after.forms],
         constants={
-            "given": problem.as_stated(np.array([constant.value for constant in problem.own])),
+            "given": problem.as_stated(problem.given),
             "refitted": problem.as_stated(before.x[: before.own]),
             "with_effects": problem.as_stated(after.x[: after.own]),
         },
         noise=NoiseFigures(
             sd=_rms(found.noise.sd[problem.channel == 0]),
-            unit=unit,
+            unit=problem.units[0],
             source=found.noise.source,
             degrees_of_freedom=found.noise.dof if math.isfinite(found.noise.dof) else None,
             specimen_scatter=found.noise.gain_sd or None,
@@ -61,11 +60,11 @@ def describe(
             correlation=float(np.max(np.where(problem.channel == 0, found.noise.correlation, 0.0))) or None,
             assumed_scatter=found.assumed or None,
         ),
-        error=_error(problem, found, 0, unit),
-        contraction=_error(problem, found, 1, "")
+        error=_error(problem, found, 0),
+        contraction=_error(problem, found, 1)
         if isinstance(problem, FabricProblem) and len(problem.transverse_rows)
         else None,
-        held_out=_held_out(problem, found, unit, domain),
+        held_out=_held_out(problem, found, domain),
         residual=Residual(
             **_judged(found.after.judgement),
             before=Judged(**_judged(found.before.judgement)),
@@ -127,7 +126,7 @@ def errors_of(
     )
 
 
-def _error(problem: Problem, found: Finding, channel: int, unit: str) -> Errors:
+def _error(problem: Problem, found: Finding, channel: int) -> Errors:
     """Return the errors in the readings of a channel; a transverse stretch counts by how much it is narrower."""
     rows, rest = problem.channel == channel, float(channel)
     before, after = found.before.fit, found.after.fit
@@ -136,11 +135,11 @@ def _error(problem: Problem, found: Finding, channel: int, unit: str) -> Errors:
         before.predicted[rows] - rest,
         after.predicted[rows] - rest,
         found.noise.sd[rows],
-        unit,
+        problem.units[channel],
         spread=found.noise.spread(after.predicted)[rows],
         whitened=(before.residual[rows], after.residual[rows]),
         curves=_of_channel(problem, channel),
-        delivered=delivered_of(problem)[rows] - rest,
+        delivered=problem.delivered[rows] - rest,
     )
 
 
@@ -158,7 +157,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2))) if len(values) else 0.0
 
 
-def _held_out(problem: Problem, found: Finding, unit: str, domain: str) -> Errors | None:
+def _held_out(problem: Problem, found: Finding, domain: str) -> Errors | None:
     """Return the plain errors of each test predicted by a fit to the others, over those that both models can tell."""
     first = problem.channel == 0
     old, new = found.before.forecast, found.after.forecast
@@ -171,7 +170,7 @@ def _held_out(problem: Problem, found: Finding, unit: str, domain: str) -> Error
         old.predicted[known],
         new.predicted[known],
         spread,
-        unit,
+        problem.units[0],
         len(set(old.tests) & set(new.tests)),
         f"each {parts_of(domain, many=False)} predicted from all others",
     )
@@ -182,8 +181,6 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
     effect, form = problem.effect(name), fit.forms[name]
     place = fit.place(name)
     scale = math.sqrt(max(found.after.judgement.chi2_reduced, 1.0))
-    evidence = found.added[name]
-    aid = evidence.help
     return AddedEffect(
         id=name,
         title=effect.title,
@@ -191,13 +188,19 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
         source=effect.source,
         parameters=form.named(fit.x[place]),
         parameters_sd={key: sd * scale for key, sd in form.named(fit.sd[place]).items()},
-        evidence=Evidence(
-            delta_bic=evidence.delta_bic,
-            variance_share=evidence.variance_share,
-            held_out_share=aid.taken if aid is not None else None,
-            tests_helped=aid.helped if aid is not None else None,
-        ),
+        evidence=evidence_of(found, name),
         tentative=found.verdict == "unexplained",
+    )
+
+
+def evidence_of(found: Finding, name: str) -> Evidence:
+    """Return the evidence of an added effect."""
+    gained = found.added[name]
+    return Evidence(
+        delta_bic=gained.delta_bic,
+        variance_share=gained.variance_share,
+        held_out_share=None if gained.help is None else gained.help.taken,
+        tests_helped=None if gained.help is None else gained.help.helped,
     )
 
 
@@ -269,8 +272,9 @@ def column(name: str, unit: str) -> str:
     return "_".join(words)
 
 
-def curves_csv(job: Job, problem: FabricProblem, found: Finding, unit: str) -> bytes:
+def curves_csv(job: Job, problem: FabricProblem, found: Finding) -> bytes:
     """Return measured and predicted stresses, row by row, and beside them the transverse stretch where it was read."""
+    unit = problem.units[0]
     quantity = "membrane stress" if unit == "N/mm" else "stress"
     head = ["test", "stretch", *(column(name, unit) for name in (quantity, "before", "after", "noise sd"))]
     stretch = problem.fabric.path.stretch

@@ -1,4 +1,5 @@
-"""The extended model: an ordinary material document with one physical term more."""
+"""A material document in the catalogue's terms, as the loop reads it; and the extended model: an ordinary document with
+one physical term more."""
 
 from __future__ import annotations
 
@@ -10,8 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.close_loop.softening import nearest, soften
-from hyperfab.chapters.close_loop.whole_sheet import poisson_of, stays_away
-from hyperfab.chapters.fabric import ORTHOTROPIC
+from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument
 from hyperfab.chapters.look import tested_by
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import Direction, MaterialDocument
@@ -19,11 +19,14 @@ from hyperfab.errors import InputError
 from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Constant, Form, fixed
-from hyperfab.materials.effects import anisotropy, elastic_law, load_offset, rate
+from hyperfab.materials.effects import anisotropy, compressibility, elastic_law, load_offset, rate
+from hyperfab.materials.effects.anisotropy import REST
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import uniaxial_pull
+from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.law import Law
 from hyperfab.materials.orthotropic import ABSENT
+from hyperfab.materials.orthotropic.determined import sought_by
 from hyperfab.materials.registry import law as law_called
 
 #: Forms that have no prediction where the tests state no times.
@@ -32,8 +35,45 @@ _NEEDS_TIMES: Mapping[str, Container[str]] = {"rate": rate.FORMS, "load-offset":
 _IN_THE_LAW = ("anisotropy", "elastic-law")
 #: What documents mean that were written before a constant was: a set did not contract the strip.
 UNSAID = {"contraction": 0.0}
+#: The laws that may be the ground of one energy of the whole sheet.
+_GROUNDS = ("yeoh-1", "yeoh-2", "yeoh-3", "yeoh-3-lni2")
+#: What says how the threads are that a constant gives their stiffness.
+_PART_OF = {
+    "k2_warp": "k1_warp_MPa",
+    "k2_weft": "k1_weft_MPa",
+    "k2_bias": "k1_bias_MPa",
+    "bias_deg": "k1_bias_MPa",
+}
 #: A test cut within this angle [deg] of warp or weft is a test of it.
 _ALONG = 1.0
+
+
+def in_terms(document: MaterialDocument, name: str, tests: Sequence[TestCurve]) -> MaterialDocument:
+    """Return a document of one energy of the whole sheet as one that has its ground's law and the rest as effects.
+
+    Constants at which nothing is there are left out, and stay so, unless those behind the document left them open and
+    these ``tests`` tell them. Other documents are returned as they are.
+    """
+    sheet = FabricDocument(document, name).sheet()
+    if sheet is None or any("ground" in item for item in document.effects or []):
+        return document
+    has = {key for key, value in sheet.parameters.items() if value != ABSENT[key]}
+    law = next(law for law in map(law_called, _GROUNDS) if set(law.names) >= has & GROUND)
+    ground = {key: sheet.parameters[key] for key in law.names}
+    told = has | ({one.constant for one in document.undetermined or []} & {*sought_by(tests)[0]})
+    own = [key for key in REST.names if _PART_OF.get(key, key) in told]
+    found = document.model_copy()
+    records: list[dict[str, Any]] = []
+    if own:
+        threads = {key: sheet.parameters[key] for key in own}
+        record = {"id": "anisotropy", "form": "sheet", "parameters": threads, "told_by": REST.told_by}
+        records.append({**record, "ground": ground, "law": law.name})
+    else:  # a ground alone is the same along warp and weft
+        found.model, found.parameters, found.directions = law.name, ground, None
+    if "nu" in has:
+        records.append({"id": "compressibility", "form": "uniform", "parameters": {"nu": sheet.parameters["nu"]}})
+    found.effects = records + (document.effects or [])
+    return found
 
 
 def held_terms(
@@ -67,7 +107,7 @@ def held_terms(
                 remedy="remove it, or see docs/close-loop.md",
             )
         constants, values = [], {**UNSAID, **values}
-        away = stays_away(str(kind), form.name, values)
+        away = _stays_away(str(kind), form.name, values)
         for constant in form.constants:
             if constant.name in away:
                 constants.append(fixed(f"{kind} {constant.name}", ABSENT[constant.name]))
@@ -81,6 +121,12 @@ def held_terms(
             constants.append(Constant(f"{kind} {constant.name}", value, low, high, constant.scale))
         found[str(kind)] = (form.name, tuple(constants))
     return found
+
+
+def _stays_away(kind: str, form: str, given: Container[str]) -> frozenset[str]:
+    """Return the constants that a term has not among those ``given`` since nothing is there."""
+    rest = kind == "anisotropy" and anisotropy.FORMS[form] is REST
+    return frozenset(name for name in REST.names if rest and name not in given)
 
 
 def _usual(form: Form, values: Mapping[str, Any]) -> float:
@@ -137,7 +183,7 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
         warp = {name: max(value, 0.0) for name, value in how.constants(law_called(sheet["law"]), own, values).items()}
         result.model = ORTHOTROPIC
         for record in records:
-            nu = poisson_of(record)
+            nu = _poisson_of(record)
             if nu is not None:
                 warp["nu"] = nu
                 record["told_by"] = how.told_by
@@ -177,9 +223,16 @@ def _refitted(
     for name, (form, values) in had.items():
         record = next(item for item in found if item.get("id") == name)
         own = problem.effect(name).form(form).named(values)
-        away = stays_away(name, form, record["parameters"])
+        away = _stays_away(name, form, record["parameters"])
         record["parameters"] = {key: value for key, value in own.items() if key not in away}
     return found
+
+
+def _poisson_of(record: Mapping[str, Any]) -> float | None:
+    """Return Poisson's ratio of a sheet's ground, None of a term that is not told by one."""
+    if record["id"] != "compressibility":
+        return None
+    return compressibility.FORMS[record["form"]].poisson(np.array(list(record["parameters"].values())))
 
 
 def _along_and_across(
@@ -187,10 +240,9 @@ def _along_and_across(
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Return constants of the law for warp and weft that come nearest to the law with fibres, over the data's reach."""
     reach = np.linspace(1.0, float(np.max(problem.fabric.path.stretch)), 41)[1:]
-    found = []
-    for angle in (0.0, 90.0):
-        found.append(nearest(law, uniaxial_pull(reach, angle), ground, {"anisotropy": (form, values)}))
-    return found[0], found[1]
+    terms = {"anisotropy": (form, values)}
+    warp, weft = (nearest(law, uniaxial_pull(reach, angle), ground, terms) for angle in (0.0, 90.0))
+    return warp, weft
 
 
 def _richer(own: Mapping[str, float], added: Mapping[str, float]) -> dict[str, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -61,34 +61,18 @@ def extend(
     """
     mold = copy.deepcopy(dict(data))
     relocate(mold, folders)
-    files: dict[str, bytes] = {}
-    own = dict(zip((constant.name for constant in problem.own), (float(v) for v in fit.x), strict=False))
-    # A term at its null is not there: the document stays the one that was given.
-    terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
-    wider = _Wider(mold, document, problem, own, problem.amounts(terms), files)
+    wider = _Wider(mold, document, problem, fit, stem)
     wider.films()
     wider.materials()
-    wider.heaters(lambda: problem.given_off(fit.x[: fit.own], fit.terms))
+    wider.heaters()
     wider.starts()
     wider.surroundings()
-    wider.joints(lambda: problem.joint_share(fit.x[: fit.own], fit.terms))
+    wider.joints()
     wider.radiation()
-    wider.base(lambda: problem.bench_degC(fit.x[: fit.own], fit.terms))
+    wider.base()
     wider.probes()
     wider.steps(noise_K)
-    _named(mold, stem)
-    files[".model.toml"] = dump_toml(mold)
-    return files, wider.notes
-
-
-def _named(node: Any, stem: str) -> None:
-    """Give the new tables the name they are written under: a suffix after the output's stem."""
-    items = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
-    for key, value in list(items):
-        if key in _FILES and isinstance(value, str) and value.startswith(".") and value.count("/") == 0:
-            node[key] = f"{stem}{value}"
-        else:
-            _named(value, stem)
+    return {**wider.files, ".model.toml": dump_toml(mold)}, wider.notes
 
 
 def relocate(node: Any, folders: tuple[str, str]) -> None:
@@ -110,6 +94,8 @@ class _Wider:
     """A mold's plain document on its way to the extended one.
 
     document   what was given, read
+    stem       of the names of tables
+    fitted     own constants and terms, as the problem takes them
     own        the refitted constants, by name
     amounts    what the found terms add, by its place in the reduced mold's settings
     files      tables beside it, by suffix
@@ -119,16 +105,27 @@ class _Wider:
     mold: dict[str, Any]
     document: MoldDocument
     problem: HeatProblem
-    own: Mapping[str, float]
-    amounts: Mapping[str, float]
-    files: dict[str, bytes]
+    fit: Fit
+    stem: str
+    files: dict[str, bytes] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        """Keep the mold as it was reduced, and the faces as they were given."""
+        """Keep what was found, the mold as it was reduced, and the faces as they were given."""
+        fit = self.fit
+        self.fitted = fit.x[: fit.own], fit.terms
+        self.own = self.problem.as_stated(fit.x[: fit.own])
+        # A term at its null is not there: the document stays the one that was given.
+        terms = {name: term for name, term in fit.terms.items() if tuple(term[1]) != fit.forms[name].null}
+        self.amounts = self.problem.amounts(terms)
         self.reduced = self.problem.runs[0].mold
         self.faces = {"convection": self.reduced.films, "radiation": self.reduced.radiators}
         self.given = {kind: copy.deepcopy(self.mold.get(kind, [])) for kind in self.faces}
+
+    def table(self, suffix: str, first: str, second: str, x: Array, y: Array) -> str:
+        """Add a table beside the mold; return the name it is written under."""
+        self.files[suffix] = _csv(first, second, x, y)
+        return f"{self.stem}{suffix}"
 
     def at(self, place: str) -> float:
         """Return what is added at a place."""
@@ -150,8 +147,7 @@ class _Wider:
                 air = float(self.reduced.films[index].ambient.y[0]) + self.own.get("ambient", 0.0)
                 at = np.unique(np.concatenate([film.x, air + _ABOVE]))
                 h = factor * film(at) * (np.maximum(np.abs(at - air), 0.5) / 30.0) ** exponent
-                name = f".film-{index}.csv"
-                self.files[name] = _csv("temperature [degC]", "h [W/m^2/K]", at, h)
+                name = self.table(f".film-{index}.csv", "temperature [degC]", "h [W/m^2/K]", at, h)
                 self.mold["convection"][index]["h"] = {"table": name}
 
         still = all(one.ambient.is_constant for one in self.reduced.films)
@@ -179,14 +175,14 @@ class _Wider:
                 beside = np.array([zero - 50.0, zero]) if bend == 0.0 else np.arange(zero - 50.0, zero + 490.0, 10.0)
                 at = np.unique(np.concatenate([plain.x, beside, [zero + 500.0]]))
                 scaled = factor * plain(at) * np.maximum(1.0 + (rate + bend * (at - zero)) * (at - zero), 0.05)
-                name = f".{what.replace('_', '-')}-{key}.csv"
-                self.files[name] = _csv("temperature [degC]", f"{what.replace('_', ' ')} [{unit}]", at, scaled)
+                suffix, head = f".{what.replace('_', '-')}-{key}.csv", f"{what.replace('_', ' ')} [{unit}]"
+                name = self.table(suffix, "temperature [degC]", head, at, scaled)
                 self.mold["material"][key][what] = {"table": name}
 
-    def heaters(self, given_off: Callable[[], Sequence[Table]]) -> None:
+    def heaters(self) -> None:
         """Scale the powers; what rides on the temperature is the power that reached the mold in this run."""
         riding = {key: self.amounts[key] for key in _RIDING if key in self.amounts}
-        reached = given_off() if riding else ()
+        reached = self.problem.given_off(*self.fitted) if riding else ()
         for index, heater in enumerate(self.document.heater):
             factor = self.own.get(f"heater.{index}.power", 1.0) * (1.0 - self.at("lost"))
             own = self.mold["heater"][index]
@@ -214,8 +210,7 @@ class _Wider:
 
     def _schedule(self, index: int, times: Array, power: Array) -> None:
         """Write the power [W] of a heater over time [s]."""
-        name = f".power-{index}.csv"
-        self.files[name] = _csv("time [s]", "power [W]", times, power)
+        name = self.table(f".power-{index}.csv", "time [s]", "power [W]", times, power)
         self.mold["heater"][index]["schedule"] = name
 
     def starts(self) -> None:
@@ -258,9 +253,9 @@ class _Wider:
         count = sum(name.startswith(".ambient") for name in self.files)
         name = next(same, f".ambient-{count + 1}.csv" if count else ".ambient.csv")
         self.files[name] = table
-        return {"table": name}
+        return {"table": f"{self.stem}{name}"}
 
-    def joints(self, share: Callable[[], Table]) -> None:
+    def joints(self) -> None:
         """Write the conductance of joints: of the document's, and of those that conduct perfectly in it.
 
         One that changes with their temperature is written as it was in this run.
@@ -273,9 +268,9 @@ class _Wider:
         opened = [self.amounts.get(f"resistance.{k}") for k in range(len(pairs))]
         best, own = 1.0, {}
         if any(self.at(f"joint_{way}") for way in ("per_K", "closes", "tightens")):
-            over = share()
-            best, own = float(np.max(over.y)), {"schedule": ".joint.csv"}
-            self.files[".joint.csv"] = _csv("time [s]", "contact [-]", over.x, over.y / best)
+            over = self.problem.joint_share(*self.fitted)
+            best = float(np.max(over.y))
+            own = {"schedule": self.table(".joint.csv", "time [s]", "contact [-]", over.x, over.y / best)}
         if self.at("joint_per_K"):
             self.notes.append(
                 f"contact-resistance: the joint conducts {100.0 * self.at('joint_per_K'):.3g} % better a kelvin, for "
@@ -301,7 +296,7 @@ class _Wider:
                 {"on": places, "emissivity": self.amounts["emissivity"], "ambient": one}
             )
 
-    def base(self, bench: Callable[[], Table]) -> None:
+    def base(self) -> None:
         """Give the faces the mold stands on a film, to a bench that is as warm as it was in this run."""
         if "bench" not in self.amounts:
             return
@@ -309,9 +304,8 @@ class _Wider:
         air = self.reduced.reference_degC + self.own.get("ambient", 0.0)
         ambient = f"{air!r} degC" if first is None else self.ambient(first, 0)
         if self.at("bench_share"):
-            warm = bench()
-            self.files[".bench.csv"] = _csv("time [s]", "temperature [degC]", warm.x, warm.y)
-            ambient = {"table": ".bench.csv"}
+            warm = self.problem.bench_degC(*self.fitted)
+            ambient = {"table": self.table(".bench.csv", "time [s]", "temperature [degC]", warm.x, warm.y)}
             self.notes.append(
                 f"base-conduction: the bench takes on {100.0 * self.at('bench_share'):.3g} % of the base's warmth "
                 f"within {self.at('bench_s'):.3g} s, for which a mold document has no key; the extended model has "

@@ -64,9 +64,9 @@ def extend(
     foam = in_full(copy.deepcopy(dict(load_toml(job.inputs.read(case.foam), case.foam))))
     relocate(foam, (os.path.dirname(case.foam), str(out.path("").parent)))
     fit = found.after.fit
-    force = problem.force_at(fit.x[: len(problem.own)], fit.terms, _longest(problem))
+    force = problem.force_at(fit.x[: fit.own], fit.terms, _longest(problem))
     draft = _Draft(case, foam, told, problem, force, out.path("").name)
-    own = {one.name: float(v) for one, v in zip(problem.own, fit.x, strict=False)}
+    own = problem.as_stated(fit.x[: fit.own])
     foam["thickness"] = f"{quantity(foam['thickness'], 'length') * own['foam.thickness']!r} mm"
     if case.gap is not None:
         draft.case = replace(draft.case, gap=max(case.gap + own.get("gap", 0.0), 0.0))

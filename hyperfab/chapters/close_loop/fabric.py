@@ -10,13 +10,11 @@ import numpy as np
 
 from hyperfab.chapters.close_loop.describe import curves_csv, describe, say
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.close_loop.extended import extend, held_terms
-from hyperfab.chapters.close_loop.finalise import Axis, errors_apart, picture, ticking, write
+from hyperfab.chapters.close_loop.extended import extend, held_terms, in_terms
+from hyperfab.chapters.close_loop.finalise import errors_apart, picture, ticking, write
 from hyperfab.chapters.close_loop.measured_tests import Measured, given_as, read_measured
 from hyperfab.chapters.close_loop.readings import Apart, check_fixed, stated_size
 from hyperfab.chapters.close_loop.sure import mark, tell_sure
-from hyperfab.chapters.close_loop.whole_sheet import in_terms
-from hyperfab.chapters.close_loop.words import delivered_of
 from hyperfab.chapters.fabric import ORTHOTROPIC, FabricDocument
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import tested_by
@@ -26,11 +24,11 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
-from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.gauges import misread
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
 from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.hyperfoam import ORDERS
@@ -63,13 +61,11 @@ def run(job: Job, given: Given) -> int:
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
     document = in_terms(document, given.name, tests.tests)
-    problem = pose(document, given.name, tests, given.case.fix, given.case.prior)
+    asked = (given.name, tests, given.case.fix, given.case.prior)
+    problem = pose(document, *asked)
     if problem.both and not document.effects and is_slanted(problem.fabric.path.angle_deg).any():
-        as_delivered = delivered_of(problem)
         document = document.model_copy(update={"directions": None})
-        problem = replace(
-            pose(document, given.name, tests, given.case.fix, given.case.prior), as_delivered=as_delivered
-        )
+        problem = replace(pose(document, *asked), as_delivered=problem.delivered)
         tests.warnings.append(
             "constants along warp and weft tell nothing of what lies between, which these tests show: the loop starts "
             "from one law for all directions"
@@ -86,12 +82,8 @@ def run(job: Job, given: Given) -> int:
     _note_ranges(job, document, given.name, tests)
     apart = None if held_out is None else _set_apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
-        found = close(
-            problem,
-            noise=level,
-            tick=ticking(advance, 0.0, _REFITS),
-            apart=None if apart is None else apart.misses,
-        )
+        misses = none_apart if apart is None else apart.misses
+        found = close(problem, noise=level, tick=ticking(advance, 0.0, _REFITS), apart=misses)
     model = extend(document, problem, found.after.fit, problem.law)
     tell_sure(model, found, lambda fit: extend(document, problem, fit, problem.law), len(problem.tests))
     model.format = model.format_name()
@@ -99,16 +91,16 @@ def run(job: Job, given: Given) -> int:
     doubts = [*_nearly(model), *_soft(model)]
     tests.warnings += doubts
     job.console.warn(*doubts)
-    result = describe(problem, found, tests.unit, tests.left_out, tests.warnings)
+    result = describe(problem, found, tests.left_out, tests.warnings)
     result.preparation = tests.preparation
     if apart is not None and held_out is not None:
-        result.held_out = errors_apart(apart, found, tests.unit, len(held_out.tests))
+        result.held_out = errors_apart(apart, found, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
         model.validity = _closed_on(given.measured, tests)
         out.add(".model.json", dump_json(job.stated(model, out.target, given.case)))
         result.model = out.path(".model.json").name
-        _files(job, out, problem, found, tests.unit)
+        _files(job, out, problem, found)
     return write(job, out, given, found, result)
 
 
@@ -146,11 +138,8 @@ def pose(
         weft = [float(weft_document.parameters[key]) for key in law.names]
     held = {}
     if document.effects:
-        bare = fabric_problem(law, constants, tests.tests, weft=weft)
-        stress = np.concatenate([test.stress for test in tests.tests])
-        context = DataContext(law, tuple(constants), bare.fabric.path, stress, False, len(bare.transverse_rows) > 0)
-        catalogue = {effect.id: effect for effect in entries(context)}
-        held = held_terms(document, name, catalogue, context.path.knows_time)
+        bare = fabric_problem(law, constants, tests.tests)
+        held = held_terms(document, name, {one.id: one for one in bare.effects}, bare.fabric.path.knows_time)
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     check_fixed(fix, sorted(known), "model")
@@ -167,6 +156,7 @@ def pose(
         fixed=tuple(fix),
         prior=prior,
         reference_degC=reference,
+        units=(tests.unit, ""),
     )
 
 
@@ -233,14 +223,13 @@ def _soft(model: MaterialDocument) -> Iterator[str]:
 
 def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
     """Return tests that take no part beside those of a problem."""
-    wider: FabricProblem = problem.remake([*problem.tests, *tests.tests])  # type: ignore[operator]
+    wider = problem.remake([*problem.tests, *tests.tests])
     measured = np.concatenate([test.stress for test in tests.tests])
     begin = sum(len(test.stretch) for test in problem.tests)
     return Apart(wider, slice(begin, begin + len(measured)), measured)
 
 
-def _files(job: Job, out: Output, problem: FabricProblem, found: Finding, unit: str) -> None:
-    out.add(".csv", curves_csv(job, problem, found, unit))
-    axis = Axis(problem.fabric.path.stretch, "stretch")
+def _files(job: Job, out: Output, problem: FabricProblem, found: Finding) -> None:
+    out.add(".csv", curves_csv(job, problem, found))
     widths = [curve for curve in problem.curves if curve.channel == 1]
-    out.add(".png", picture(problem, found, axis, unit, {"mode": MODE_NAMES}, widths))
+    out.add(".png", picture(problem, found, "stretch", problem.units[0], {"mode": MODE_NAMES}, widths))

@@ -16,7 +16,7 @@ from hyperfab.chapters.close_loop.domain import Given, signed
 from hyperfab.chapters.close_loop.left_out import OF_FILES
 from hyperfab.chapters.close_loop.readings import Apart, Files, check_fixed, set_apart, told_left_out
 from hyperfab.chapters.close_loop.sure import caution, noted
-from hyperfab.chapters.close_loop.words import PLACES, delivered_of
+from hyperfab.chapters.close_loop.words import PLACES
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import command_line, rerun
 from hyperfab.console import NEGATIVE_VERDICT
@@ -30,6 +30,7 @@ from hyperfab.loop.dependence import dependence
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import FilesProblem
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.search import Search
@@ -71,20 +72,6 @@ class Instead(Generic[P]):
     tell: Callable[[LoopDocument], None]
 
 
-@dataclass(frozen=True)
-class Axis:
-    """What the curves are drawn over: values of the rows of the first channel, and their label."""
-
-    values: Array
-    label: str
-
-    @classmethod
-    def of(cls, problem: Problem, state: str = "") -> Axis:
-        """Return a state of the readings as the axis: the first where none is named."""
-        name = state or next(iter(problem.states))
-        return cls(problem.states[name], name.replace("_", " [") + "]")
-
-
 def finish(
     job: Job,
     out: Output,
@@ -101,9 +88,10 @@ def finish(
 ) -> int:
     """Close the loop, write the finding and the extended model; return the exit status.
 
-    ``axis`` is the state that the curves are drawn over. ``rounds`` returns the problem posed anew around a finding (a
-    better linearisation), or None where it is good. ``upstream`` traces the misfit to the documents behind the model
-    and returns what it says. ``instead`` returns another kind of model where that carries what this one does not.
+    ``axis`` is the state that the curves are drawn over: the first where none is named. ``rounds`` returns the
+    problem posed anew around a finding (a better linearisation), or None where it is good. ``upstream`` traces the
+    misfit to the documents behind the model and returns what it says. ``instead`` returns another kind of model
+    where that carries what this one does not.
     """
     domain, gone, apart = stated_kind(given.data), dict(files.left_out), files.apart
     check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
@@ -112,15 +100,15 @@ def finish(
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3)
-        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=apart_of(files))
+        problem, found = close_rounds(problem, files.noise, rounds, tick, misses=files.misses)
         other = instead(problem, found, tick)
         if other is not None:
             problem, found, extend, upstream = other.problem, other.found, other.extend, other.upstream
-        result = describe(problem, found, problem.units[0], gone, warnings, domain=domain)
+        result = describe(problem, found, gone, warnings, domain=domain)
         if other is not None:
             other.tell(result)
         if apart:
-            result.held_out = errors_apart(set_apart(problem, apart), found, problem.units[0])
+            result.held_out = errors_apart(set_apart(problem, apart), found)
         if upstream is not None:
             tick("the documents behind the model")
             traced = upstream(found, result)
@@ -129,15 +117,10 @@ def finish(
         if out.wants_files:
             tick("the extended model")
             _model(job, out, given, extend(found), result, caution(found))
-            _files(job, out, problem, found, Axis.of(problem, axis))
+            _files(job, out, problem, found, axis or next(iter(problem.states)))
     result.summary += traced
     job.console.note(*traced)
     return write(job, out, given, found, result)
-
-
-def apart_of(files: Files[Any]) -> Callable[[Any], Callable[[Fit], float]] | None:
-    """Return what says how far a model misses the readings that were set apart, of a problem; None where none were."""
-    return (lambda posed: set_apart(posed, files.apart).misses) if files.apart else None
 
 
 def write(job: Job, out: Output, given: Given, found: Finding, result: LoopDocument) -> int:
@@ -159,7 +142,7 @@ def ticking(advance: Callable[[float, str], None], begun: float, refits: float =
     return tick
 
 
-def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = None) -> Errors:
+def errors_apart(apart: Apart, found: Finding, tests: int | None = None) -> Errors:
     """Return the error on readings that were set apart, before and after, beside the noise of the others of their kind,
     the first."""
     before, after = (apart.predicted(state.fit) for state in (found.before, found.after))
@@ -167,7 +150,7 @@ def errors_apart(apart: Apart, found: Finding, unit: str, tests: int | None = No
     sd = float(np.sqrt(np.mean(found.noise.sd[:start][apart.problem.channel[:start] == 0] ** 2)))
     # The specimens set apart scatter as the others do.
     spread = np.hypot(sd, found.noise.gain_sd * np.sqrt(np.maximum(after * apart.measured, 0.0)))
-    return errors_of(apart.measured, before, after, spread, unit, tests, OF_FILES)
+    return errors_of(apart.measured, before, after, spread, apart.problem.units[0], tests, OF_FILES)
 
 
 def close_rounds(
@@ -176,7 +159,7 @@ def close_rounds(
     rounds: Callable[[P, Finding], P | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
-    misses: Callable[[P], Callable[[Fit], float]] | None = None,
+    misses: Callable[[P], Callable[[Fit], float]] = lambda problem: none_apart,
 ) -> tuple[P, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
 
@@ -186,8 +169,7 @@ def close_rounds(
     """
 
     def anew(posed: P) -> Finding:
-        apart = None if misses is None else misses(posed)
-        closed = partial(close, posed, tick=tick, design=design, apart=apart)
+        closed = partial(close, posed, tick=tick, design=design, apart=misses(posed))
         level = noise(posed, None)
         found = closed(noise=level)
         less = noise(posed, found.after.fit.predicted)
@@ -272,52 +254,47 @@ def _model(job: Job, out: Output, loop: Given, extension: Extension, result: Loo
     result.warnings += [*notes, *(text for text in made.warnings if text not in result.warnings)]
 
 
-def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: Axis) -> None:
-    first = problem.channel == 0
-    unit = problem.units[0]
-    before, after = found.before.fit.predicted, found.after.fit.predicted
+def _files(job: Job, out: Output, problem: Problem, found: Finding, axis: str) -> None:
+    figures = np.column_stack([problem.measured, found.before.fit.predicted, found.after.fit.predicted, found.noise.sd])
     quantities = [curve for curve in problem.curves if curve.channel < len(problem.units)]
     units = list(dict.fromkeys(problem.units[curve.channel] for curve in quantities))
-    head = [column(*[*axis.label.removesuffix("]").split(" ["), ""][:2])]
+    head = [axis.replace(" ", "_")]
     head += [column(name, one) for one in units for name in ("measured", "before", "after", "noise_sd")]
-    rows = []
-    place = np.full(len(problem.measured), np.nan)
-    place[np.flatnonzero(first)] = axis.values
     where = [name for name in (*PLACES, "axis") if name in problem.states and name not in head]
-    at = np.full((len(problem.measured), len(where)), np.nan)
-    if where:
-        at[first] = np.stack([problem.states[name] for name in where], axis=1)
+    at = np.full((len(problem.measured), 1 + len(where)), np.nan)
+    at[problem.channel == 0] = np.column_stack([problem.states[name] for name in (axis, *where)])
+    rows = []
     for curve in quantities:
-        own = units.index(problem.units[curve.channel])
-        file = job.named(curve.name)
-        gaps = [None] * 4 * own, [None] * 4 * (len(units) - own - 1)
-        for i in range(curve.start, curve.stop):
-            values = (problem.measured[i], before[i], after[i], found.noise.sd[i])
-            rows.append([place[i], *gaps[0], *values, *gaps[1], *at[i], file])
+        # Readings of each unit have columns of their own.
+        told = np.full((len(curve.places), len(units), 4), np.nan)
+        told[:, units.index(problem.units[curve.channel])] = figures[curve.rows]
+        file, places = job.named(curve.name), at[curve.rows]
+        rows += [(there[0], *one.ravel(), *there[1:], file) for there, one in zip(places, told, strict=True)]
     out.add(".csv", csv_bytes([*head, *where, "file"], rows, digits=8))
-    out.add(".png", picture(problem, found, axis, unit))
+    out.add(".png", picture(problem, found, axis, problem.units[0]))
 
 
 def picture(
     problem: Problem,
     found: Finding,
-    axis: Axis,
+    axis: str,
     unit: str,
     value_words: Mapping[str, Sequence[str]] | None = None,
     widths: Sequence[Curve] = (),
 ) -> bytes:
-    """Return the picture of what was found, over ``axis``, of the readings of the first channel, and beside it of
-    transverse stretches, curve by curve (``widths``)."""
+    """Return the picture of what was found, over the state ``axis``, of the readings of the first channel, and beside
+    it of transverse stretches, curve by curve (``widths``)."""
     from hyperfab.report.figures_loop import LoopPicture
 
+    what, _, measure = axis.partition("_")
     first = problem.channel == 0
     # The states first that what the model missed rides on.
     riding = dependence(found.before.fit.residual[first], problem.states)
     before, after = found.before.fit.predicted, found.after.fit.predicted
     states = sorted(problem.states.items(), key=lambda item: -riding.get(item[0], 0.0))
     return LoopPicture(
-        abscissa=axis.values,
-        label=axis.label,
+        abscissa=problem.states[axis],
+        label=f"{what} [{measure}]" if measure else what,
         unit=unit,
         curves=[curve.rows for curve in problem.curves if curve.channel == 0],
         measured=problem.measured[first],
@@ -330,6 +307,6 @@ def picture(
         verdict=found.verdict,
         added=found.after.ids,
         value_words=value_words or {},
-        delivered=delivered_of(problem)[first],
+        delivered=problem.delivered[first],
         widths=[(one.places, problem.measured[one.rows], before[one.rows], after[one.rows]) for one in widths],
     ).png()

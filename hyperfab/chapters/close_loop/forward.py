@@ -65,11 +65,7 @@ def _read(builder: MoldBuilder, problem: HeatProblem, times: Array) -> Array:
     built = builder.build()
     until = document.run.model_copy(update={"until": float(times[-1]), "target": None})
     whole = document.model_copy(update={"run": until})
-    history = heated(whole, built, builder.start_field(built), _quietly)
+    history = heated(whole, built, builder.start_field(built), lambda fraction, text="": None)
     at = curve_times(history)
     shown = [as_shown(at, curve(history, built.probes[name], at), built.lags[name]) for name in problem.names]
     return np.array([np.where(times < at[0], np.nan, np.interp(times, at, row)) for row in shown])
-
-
-def _quietly(fraction: float, text: str = "") -> None:
-    """Show nothing of how far a run is."""

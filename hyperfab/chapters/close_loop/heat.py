@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from typing import TypeGuard
 
 import numpy as np
@@ -13,7 +14,7 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
-from hyperfab.chapters.close_loop.finalise import Axis, picture, ticking, write
+from hyperfab.chapters.close_loop.finalise import picture, ticking, write
 from hyperfab.chapters.close_loop.forward import written_otherwise
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
@@ -27,7 +28,7 @@ from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
-from hyperfab.loop.heat import HeatProblem, heat_problem, least_of
+from hyperfab.loop.heat import HeatProblem, bounds_of, heat_problem
 from hyperfab.loop.probes import looked_through
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -81,10 +82,8 @@ def run(job: Job, given: Given) -> int:
         advance(0.0, "meshing")
         problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
         found, odd = looked_through(problem, close(problem, noise=level, tick=ticking(advance, 0.2)))
-    left_out = {f"no reading of {name}": count for name, count in read.missing.items()} | dict(read.left_out)
-    left_out |= {f"{name} off its neighbours": count for name, count in read.glitches.items()}
     job.console.warn(*odd)
-    result = describe(problem, found, "K", left_out, odd, domain="heat")
+    result = describe(problem, found, read.left_out, odd, domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}
@@ -138,7 +137,7 @@ def pose(
     mold = reduce(
         model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
-        conducting=(1.0, least_of("conductivity", prior)), zones=_ZONES,
+        conducting=(1.0, bounds_of("conductivity", prior)[0]), zones=_ZONES,
     )  # fmt: skip
     if read.power is not None and any(heater.control is not None for heater in document.heater):
         mold = _drawn(mold, document, read.times, read.power)
@@ -148,7 +147,6 @@ def pose(
         mold,
         read.times,
         read.readings,
-        range(len(read.names)),
         read.names,
         own,
         [joint.conductance for joint in declared],
@@ -242,15 +240,14 @@ def _touching(document: MoldDocument, built: Problem) -> list[tuple[str, str]]:
     names = [part.name for part in document.part]
     declared = {frozenset(contact.between) for contact in document.contact}
     found = []
-    for i, one in enumerate(names):
-        for other in names[i + 1 :]:
-            if frozenset((one, other)) in declared:
-                continue
-            try:
-                built.faces.interface(one, other)
-            except InputError:
-                continue
-            found.append((one, other))
+    for one, other in combinations(names, 2):
+        if frozenset((one, other)) in declared:
+            continue
+        try:
+            built.faces.interface(one, other)
+        except InputError:
+            continue
+        found.append((one, other))
     return found
 
 
@@ -320,14 +317,8 @@ def _files(out: Output, problem: HeatProblem, found: Finding, read: Thermocouple
     before, after = found.before.fit.predicted, found.after.fit.predicted
     rows, count = len(read.times), len(read.names)
     head = ["time_s"] + [f"{n}_{w}_degC" for n in read.names for w in ("measured", "before", "after")]
-    lines = []
-    place = np.full(rows * count, -1)
-    place[problem.runs[0].kept] = np.arange(len(problem.measured))
-    for i in range(rows):
-        cells = [read.times[i]]
-        for probe in range(count):
-            at = place[probe * rows + i]
-            cells += [v[at] if at >= 0 else None for v in (problem.measured, before, after)]
-        lines.append(cells)
-    out.add(".csv", csv_bytes(head, lines, digits=8))
-    out.add(".png", picture(problem, found, Axis.of(problem, "time_s"), "degC", {"probe": read.names}))
+    told = np.full((3, count * rows), np.nan)
+    told[:, problem.runs[0].kept] = problem.measured, before, after
+    columns = told.reshape(3, count, rows).transpose(2, 1, 0).reshape(rows, 3 * count)
+    out.add(".csv", csv_bytes(head, list(np.column_stack([read.times, columns])), digits=8))
+    out.add(".png", picture(problem, found, "time_s", "degC", {"probe": read.names}))

@@ -22,7 +22,7 @@ from hyperfab.curve import TestCurve
 from hyperfab.documents.provenance import Provenance
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
-from hyperfab.io.layout import PLAIN, Layout
+from hyperfab.io.layout import Layout
 from hyperfab.io.role_words import UnknownTest
 from hyperfab.loop.fabric_tests import thinned
 from hyperfab.materials.effects.path import moving
@@ -60,11 +60,11 @@ class Measured:
 def read_measured(
     job: Job,
     names: Sequence[str],
-    layout: Layout | None,
+    layout: Layout,
     thickness: float | None,
-    given: Mapping[str, str] | None = None,
-    how: How | None = None,
-    carries: Sequence[str] = OF_A_SHEET,
+    given: Mapping[str, str],
+    how: How,
+    carries: Sequence[str],
     beside: Measured | None = None,
 ) -> Measured:
     """Read test files; stress in N/mm becomes MPa by ``thickness`` [mm], or counts as that of 1 mm without one.
@@ -74,13 +74,11 @@ def read_measured(
     read ``beside`` the others: one that does not say its test is of the one kind that all those were given as. How each
     was read is said, and kept in ``preparation``.
     """
-    how = how or How()
-    layout = layout or PLAIN
     found = Measured([], "MPa")
     every: list[TestData] = []
     for name in names:
         data = job.inputs.read(name)
-        kind = how.kinds.get(name) or (given or {}).get(sha256(data).hexdigest())
+        kind = how.kinds.get(name) or given.get(sha256(data).hexdigest())
         found.given.add(kind)
         try:
             every += read_tests(data, name, test=kind, geometry=how.sizes, columns=layout)
@@ -166,12 +164,9 @@ def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
         ):
             if doubt.kind not in _UNSOUND or test.mode == "volumetric":
                 continue
-            rows = np.array(doubt.rows)
-            gone = np.zeros(len(sound), dtype=bool)
-            gone[rows[0] if doubt.kind == "step-back" else rows] = True
-            gone = np.maximum.accumulate(gone) if doubt.kind == "step-back" else gone
-            found.left_out[f"{test.source}: {_UNSOUND[doubt.kind]}"] += int(np.count_nonzero(gone & sound))
-            sound &= ~gone
+            gone = slice(doubt.rows[0], None) if doubt.kind == "step-back" else list(doubt.rows)
+            found.left_out[f"{test.source}: {_UNSOUND[doubt.kind]}"] += int(np.count_nonzero(sound[gone]))
+            sound[gone] = False
         if sound.all():
             kept.append(test)
         elif np.count_nonzero(sound) > 1:
@@ -199,11 +194,12 @@ def _curves(test: TestData, factor: float, steps: Steps, measured: Measured) -> 
     found: list[TestCurve] = []
     parts = [(number, test.take(rows)) for number, rows in enumerate(_runs(test))]
     if steps != Steps():
-        prepared: list[tuple[int, TestData]] = []
         told: list[str] = []
-        for number, part in parts:
-            kept = prepare([part], steps, measured.left_out, told, nothing_left=True)
-            prepared += [(number, one) for one in kept]
+        prepared = [
+            (number, one)
+            for number, part in parts
+            for one in prepare([part], steps, measured.left_out, told, nothing_left=True)
+        ]
         if not prepared:
             prepare([test], steps, Counter(), [])  # says why
         measured.preparation += [one for one in dict.fromkeys(told) if one not in measured.preparation]

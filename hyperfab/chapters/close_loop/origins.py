@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.known import FilesProblem
@@ -64,8 +64,7 @@ def another_zero(problem: Problem, found: Finding) -> list[str]:
         loose = problem.counting_from_anywhere(way.name)
         freed = fit(loose, found.noise, {}, before.x)
         zero, farthest = float(freed.x[place]), loose.own[place].high
-        beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
-        if beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2) and way.high < abs(zero) < farthest:
+        if _is_all(before, freed, read) and way.high < abs(zero) < farthest:
             told.append(
                 f"Were {way.name} {zero:.3g} mm, though known to {way.prior_sd:.2g} mm, the model would meet "
                 "these readings without any effect: look again where the machine counts from before anything is said "
@@ -94,15 +93,14 @@ def untared(problem: Problem, found: Finding) -> list[str]:
     ways = [(one, *_off_zero(problem, found, one)) for one in (throughout, drifting)]
     read = np.flatnonzero(throughout)
     largest = 0.5 * float(np.max(np.abs(problem.measured[read])))
-    beyond = float(np.mean(found.before.fit.residual[read] ** 2)) - 1.0
     meets = [
         (shape, offset)
         for shape, offset, freed in sorted(ways, key=lambda way: way[2].chi2)
-        if float(np.mean(freed.residual[read] ** 2)) - 1.0 <= max(SHARE * beyond, SMALL**2)
+        if _is_all(found.before.fit, freed, read)
         and freed.chi2 <= found.after.fit.chi2 + MARGIN
         and abs(offset) <= largest
     ]
-    if beyond <= SMALL**2 or not meets:
+    if not meets:
         return []
     shape, offset = meets[0]
     off, way = f"{abs(offset):.3g} N", "high" if offset > 0.0 else "low"
@@ -131,3 +129,9 @@ def _off_zero(problem: Problem, found: Finding, shape: Array) -> tuple[float, Fi
         if abs(step) < 1e-3 * abs(offset):
             break
     return offset, freed
+
+
+def _is_all(before: Fit, freed: Fit, read: Ints) -> bool:
+    """Whether what the rows ``read`` are missed by is hardly there any more once a fit is freed."""
+    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
+    return beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2)

@@ -71,7 +71,7 @@ def run(job: Job, given: Given) -> int:
                 note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
         check_unchanged(job, made, [*given.measured, *given.case.held])
         advance(0.15, "gaps over the stroke")
-        problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)
+        problem, others = pose(told, files.plain, given.surely, given.case.fix, files.apart)
     upstream = None
     if given.case.upstream:
         # It closes presses as this module does.
@@ -186,14 +186,14 @@ def _temperature(table: Table) -> float | None:
 
 def pose(
     told: PressResult,
-    files: Sequence[tuple[Reading, Array | None]],
+    files: Sequence[Reading],
     prior: float,
     fix: Sequence[str],
     apart: Sequence[Reading] = (),
 ) -> tuple[PressProblem, list[Reading]]:
     """Return the problem of a closed press and its readings, and readings ``apart`` placed for it."""
     closed = told.closed
-    every = [*(reading for reading, _ in files), *apart]
+    every = [*files, *apart]
     travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
     whole, summed, correction = press_table(closed, plan_of(told), travel, _stays(told))
     placed = []
@@ -308,12 +308,7 @@ def plan_of(told: PressResult) -> Array:
     low, high = drawn.min(axis=0), drawn.max(axis=0)
     half = np.where(high > low, 0.5 * (high - low), 1.0)
     scaled = (told.frame.outward(told.closed.cold) - 0.5 * (low + high)) / half
-    return np.asarray(scaled[:, across(told)])
-
-
-def across(told: PressResult) -> list[int]:
-    """Return the drawing's axes across the closing axis."""
-    return [i for i, axis in enumerate("xyz") if axis != told.frame.axis]
+    return np.asarray(scaled[:, [i for i, axis in enumerate("xyz") if axis != told.frame.axis]])
 
 
 def on_front(front: Surface, frame: PressFrame, reading: Reading) -> Reading:

@@ -21,6 +21,7 @@ from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity, quantity_of
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
+from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens
 from hyperfab.loop.problem import Problem
@@ -62,6 +63,10 @@ class Files(Generic[F]):
         """The measured files without what they say of their noise."""
         return [one for one, _ in self.measured]
 
+    def misses(self, problem: FilesProblem[F]) -> Callable[[Fit], float]:
+        """Return what says how far a model misses the readings that were set apart; by nothing where none were."""
+        return set_apart(problem, self.apart).misses if self.apart else none_apart
+
     def noise(self, problem: FilesProblem[F], predicted: Array | None) -> Noise:
         """Return the noise of the files less what a model predicts (the model as it is where None).
 
@@ -70,7 +75,7 @@ class Files(Generic[F]):
         proportion to the reading is looked for in all of them.
         """
         if predicted is None:
-            predicted = problem.predict(np.array([one.value for one in problem.own]), {})
+            predicted = problem.delivered
         sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
         guessed: dict[str, list[tuple[Ints, Guess]]] = {}
         for one, column in self.measured:
@@ -159,7 +164,6 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, al
             table = _rows(table, np.flatnonzero(~ended))
     if along:
         table = _rows(table, np.argsort(table[along], kind="stable"))
-    table = replace(table, left_out=dict(gone))
     if left_out is not None:
         left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
     return table
@@ -301,8 +305,8 @@ def alike(sizes: Array, dof: Array) -> bool:
 class Thermocouples:
     """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
 
-    ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts rows that are no
-    reading, ``glitches`` by name the readings that stood off their neighbours and are nan.
+    ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts readings that each
+    probe lacks, rows that are no reading, and readings that stood off their neighbours and are nan.
     """
 
     times: Array
@@ -310,14 +314,6 @@ class Thermocouples:
     names: list[str]
     power: Array | None = None
     left_out: Mapping[str, int] = field(default_factory=dict)
-    glitches: Mapping[str, int] = field(default_factory=dict)
-
-    @property
-    def missing(self) -> dict[str, int]:
-        """How many readings each probe lacks in the file, by name, of those that lack any."""
-        counts = (~np.isfinite(self.readings)).sum(axis=0)
-        lacks = {name: int(count) - self.glitches.get(name, 0) for name, count in zip(self.names, counts, strict=True)}
-        return {name: count for name, count in lacks.items() if count}
 
 
 def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout) -> Thermocouples:
@@ -367,12 +363,13 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             )
     power = table["power"] if "power" in table.columns else None
     names = [known[column.casefold()] for column in columns]
-    glitches = {}
+    lacking = zip(names, (~np.isfinite(readings)).sum(axis=0), strict=True)
+    left_out = {f"no reading of {name}": int(count) for name, count in lacking if count} | dict(table.left_out)
     for number, probe in enumerate(names):
         there = np.flatnonzero(np.isfinite(readings[:, number]))
         rows = there[_off_neighbours(readings[there, number])]
         if rows.size:
-            glitches[probe] = int(rows.size)
+            left_out[f"{probe} off its neighbours"] = int(rows.size)
             job.console.warn(
                 f"{name}, line {table.lines[rows[0]]}: {probe} reads {readings[rows[0], number]:g} degC, off its "
                 f"neighbours{f', as {rows.size - 1} more' if rows.size > 1 else ''}; left out"
@@ -384,7 +381,7 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             f"{name}: the readings begin {begun:.6g} s after the start of the run and go on for {last - begun:.6g} s; "
             "time counts from the mold's start"
         )
-    return Thermocouples(table["time"], readings, names, power, table.left_out, glitches)
+    return Thermocouples(table["time"], readings, names, power, left_out)
 
 
 def _off_neighbours(readings: Array) -> list[int]:

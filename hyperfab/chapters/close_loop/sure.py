@@ -52,12 +52,8 @@ def tell_sure(
         return
     sd = dict(zip(names, np.sqrt((along**2).sum(axis=1)), strict=True))
     for index, record in enumerate(document.effects or []):
-        own = {
-            name: float(sd[f"effects.{index}.parameters.{name}"])
-            for name in record["parameters"]
-            if f"effects.{index}.parameters.{name}" in sd
-        }
-        record["parameters_sd"] = own
+        places = {name: f"effects.{index}.parameters.{name}" for name in record["parameters"]}
+        record["parameters_sd"] = {name: float(sd[place]) for name, place in places.items() if place in sd}
     document.joint_uncertainty = FitUncertainty(
         order=names,
         covariance=(along @ along.T).tolist(),

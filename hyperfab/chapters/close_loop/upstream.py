@@ -14,7 +14,6 @@ from hyperfab.chapters.close_loop.describe import errors_of
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.upstream_written import Corrected, write
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import ChapterTried, LoopDocument, MovedConstant, Upstream
 from hyperfab.errors import NotConverged
 from hyperfab.io.output import Output
@@ -45,10 +44,11 @@ _HAS = {
 
 @dataclass(frozen=True)
 class Link(Chapter):
-    """A chapter of a model with its ``document``, and the ``numbers`` (k) of that which may be off."""
+    """A chapter of a model with its ``document``, and the ``numbers`` (k) of that which may be off, as its chain has
+    them: each with its name."""
 
     document: str
-    numbers: tuple[Number, ...]
+    numbers: tuple[Any, ...]
 
 
 class Chain(Protocol):
@@ -59,11 +59,9 @@ class Chain(Protocol):
     def links(self, readings: Sequence[Any]) -> tuple[Array, list[Link]]:
         """Return what the model shows at readings (n,) as its documents are, and each chapter."""
 
-    def corrected(self, link: Link, change: Array) -> Corrected:
-        """Return the chain with a chapter's constants changed."""
-
-    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Any]) -> Array:
-        """Return what the corrected chain shows at the readings (n,), run anew."""
+    def run_anew(self, link: Link, change: Array, readings: Sequence[Any]) -> tuple[Corrected, Array]:
+        """Return the chain with a chapter's constants changed, and what that shows at the readings (n,), run anew;
+        NotConverged where it has no answer."""
 
 
 @dataclass(frozen=True)
@@ -85,28 +83,25 @@ def follow(chain: Chain, readings: Sequence[Any], read: Readings) -> tuple[Trace
     found = trace(read, stated, links)
     by_name = {link.name: link for link in links}
     runs: dict[str, list[tuple[Corrected, Array]]] = {}
-    settled, suspected, failed, moving = {ELSE}, dict.fromkeys(found.suspects), set[str](), list[str]()
-    # One that falls short where it is run may do better beside.
-    while waiting := [name for name in suspected if name not in settled]:
-        link = by_name[waiting[0]]
-        change = found.blamed[link.name].change
-        try:
-            put_right = chain.corrected(link, change)
-            shown = chain.shown(link, change, put_right, readings)
-        except NotConverged as error:
-            chain.left_out.append(f"{link.name}: the chain with it put right has no answer: {error}")
-            settled.add(link.name)
-            failed.add(link.name)
+    suspected, failed, moving = [*found.suspects], set[str](), list[str]()
+    # Where one falls short as it is run others come under suspicion: the list grows.
+    for name in suspected:
+        if name == ELSE:
             continue
-        done = runs.setdefault(link.name, [])
-        done.append((put_right, shown))
-        last = len(done) == _RUNS
-        found, at_best = run_anew(found, link.name, shown, last)
-        suspected |= dict.fromkeys(found.suspects)
-        if at_best or last:
-            settled.add(link.name)
-        if not at_best and last:
-            moving.append(link.name)
+        done = runs.setdefault(name, [])
+        for number in range(_RUNS):
+            try:
+                done.append(chain.run_anew(by_name[name], found.blamed[name].change, readings))
+            except NotConverged as error:
+                chain.left_out.append(f"{name}: the chain with it put right has no answer: {error}")
+                failed.add(name)
+                break
+            found, at_best = run_anew(found, name, done[-1][1], last=number == _RUNS - 1)
+            suspected += [one for one in found.suspects if one not in suspected]
+            if at_best:
+                break
+        else:
+            moving.append(name)
     if not found.suspects or found.suspects[0] == ELSE:
         return Traced(found, found.verdict), links
     if found.suspects[0] in failed:

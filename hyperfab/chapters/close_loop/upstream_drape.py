@@ -16,8 +16,6 @@ from hyperfab.chapters.close_loop.softening import scaled_material
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, TOGETHER
 from hyperfab.chapters.close_loop.upstream import Link, add
 from hyperfab.chapters.close_loop.upstream_written import Corrected
-from hyperfab.chapters.uncertainty.changed import Changed
-from hyperfab.chapters.uncertainty.sources import Number
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
@@ -37,11 +35,7 @@ class Moved:
 
     name: str
     sd: float
-    file: str | None = None
     size: float = 1.0
-
-    def move(self, inputs: Changed, change: float) -> None:
-        """Nothing: the chain is put right as a whole."""
 
 
 class DrapeChain:
@@ -57,9 +51,8 @@ class DrapeChain:
         draped, material = self.problem.draped, self.forward.material
         fabric = []
         if material is not None:
-            file, known = self.forward.case.material, material.parameters
             fabric = [
-                Moved(name, self.share * float(far), file, float(known.get(name, 1.0)))
+                Moved(name, self.share * float(far), float(material.parameters.get(name, 1.0)))
                 for name, far in zip(draped.names, self.forward.widths, strict=True)
             ]
         return {
@@ -85,7 +78,7 @@ class DrapeChain:
                 document = {"fabric": self.forward.case.material, "mold": self.forward.case.mold[0]}.get(chapter)
                 predict = self._predict(numbers)
                 links.append(Link(chapter, covariance, predict, document or "", tuple(numbers)))
-        return self._at(np.array([one.value for one in self.problem.own]), {}), links
+        return self._at(self.problem.given, {}), links
 
     def _predict(self, numbers: Sequence[Moved]) -> Callable[[Array], Array]:
         def predict(change: Array) -> Array:
@@ -96,19 +89,26 @@ class DrapeChain:
 
         return predict
 
-    def _moved(self, numbers: Sequence[Number], change: Array) -> tuple[Array, dict[str, float]]:
+    def _moved(self, numbers: Sequence[Moved], change: Array) -> tuple[Array, dict[str, float]]:
         """Return the loop's own constants, and what is added to the emulator's settings."""
-        moved = [(one, float(v)) for one, v in zip(numbers, change, strict=True) if isinstance(one, Moved)]
-        by = {one.name: v / one.size for one, v in moved}
+        by = {one.name: float(v) / one.size for one, v in zip(numbers, change, strict=True)}
         own = np.array([one.value + by.pop(one.name, 0.0) for one in self.problem.own])
         return own, by
 
     def _at(self, own: Array, amounts: dict[str, float]) -> Array:
         return np.concatenate(self.problem.at(own, amounts)[: len(self.problem.files)])
 
-    def corrected(self, link: Link, change: Array) -> Corrected:
-        """Return the drape with a chapter's constants changed."""
+    def run_anew(self, link: Link, change: Array, readings: Sequence[Markers]) -> tuple[Corrected, Array]:
+        """Return the drape with a chapter's constants changed, and where the markers are, draped anew on the whole grid
+        (n,)."""
         own, amounts = self._moved(link.numbers, change)
+        draped, sheet = self.problem.draped, self.forward.sheet
+        corrected = self._corrected(link, own, amounts)
+        nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
+        there = replace(draped, base=nodes, finer=())
+        return corrected, np.concatenate([at_markers(there, one.flat)[0][0].T.ravel() for one in readings])
+
+    def _corrected(self, link: Link, own: Array, amounts: dict[str, float]) -> Corrected:
         case: DrapeCase = drape_applied(self.forward.case, {"depth": float(own[-1]), **amounts})
         material = self.forward.material
         if link.name == "mold":
@@ -119,14 +119,6 @@ class DrapeChain:
         factors = dict(zip(self.problem.draped.names, map(float, own), strict=False))
         document = dump_json(scaled_material(material, factors).to_json())
         return Corrected(case, {link.document: document}, document, case)
-
-    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Markers]) -> Array:
-        """Return where the markers are, draped anew on the whole grid (n,)."""
-        own, amounts = self._moved(link.numbers, change)
-        draped, sheet = self.problem.draped, self.forward.sheet
-        nodes = self.forward.nodes(own[:-1], {"depth": float(own[-1]), **amounts}, (sheet.n, sheet.m))
-        there = replace(draped, base=nodes, finer=())
-        return np.concatenate([at_markers(there, one.flat)[0][0].T.ravel() for one in readings])
 
 
 def tracing(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +23,13 @@ from hyperfab.chapters.close_loop.handing import More, handing, hands_on, slope,
 from hyperfab.chapters.close_loop.press import closed_press
 from hyperfab.chapters.close_loop.unsure import STRETCH_SD, is_length, mounted, of_sandwich, unsure_fabric, unsure_mold
 from hyperfab.chapters.close_loop.upstream import Link, add
-from hyperfab.chapters.close_loop.upstream_readings import is_traced, on_press, over_stroke, placed, seen
+from hyperfab.chapters.close_loop.upstream_readings import is_traced, placed, seen_in
 from hyperfab.chapters.close_loop.upstream_written import Corrected, names_layer
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import solve
 from hyperfab.chapters.press_contact.heat import file_of
 from hyperfab.chapters.press_contact.model import model_of, read_files
 from hyperfab.chapters.press_contact.nearby import beside
-from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.chapters.rerun import Listener, Overlay, rerun, unchanged
 from hyperfab.chapters.uncertainty.changed import Changed, Kept
 from hyperfab.chapters.uncertainty.handed import Handed, join
@@ -58,7 +56,6 @@ from hyperfab.io.toml_io import dump_toml
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import GAP_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
-from hyperfab.surface import Surface
 
 #: What both molds' temperature is off by [K], where nothing is stated, and one that is known as a whole only.
 _KELVINS = 5.0
@@ -82,7 +79,7 @@ class PressChain:
     def __init__(self, job: Job, case: PressCase, share: float) -> None:
         self.job, self.case, self.share = job, replace(case, uncertainty=None), share
         self.asked = case
-        self.behind = list(self._documents())
+        self.behind = self._documents()
         self.sources = {one.chapter: one.source for one in reversed(self.behind)}
         self.left_out: list[str] = []
         if case.drape is not None:
@@ -102,14 +99,13 @@ class PressChain:
             self.case = replace(self.case, tilt=None)
         given |= self.foam
         self.quiet = replace(job, console=Listener(), inputs=Overlay(given))
-        self.files = read_files(self.quiet, self.case)
-        self.model = model_of(self.quiet, self.case, self.files)
-        self.result = solve(self.quiet, self.model)
-        self.closed = self.result.closed
-        self.origins, self.owners = Origins(), dict[str, list[int]]()
+        model = model_of(self.quiet, self.case, read_files(self.quiet, self.case))
+        self.result = solve(self.quiet, model)
+        #: What may be off, and the chapter of each.
+        self.origins, self.chapters = Origins(), list[str]()
         self._own()
         self._handed()
-        near = beside(self.quiet, self.model, self.closed, self.origins)
+        near = beside(self.quiet, model, self.result.closed, self.origins)
         if near is None:
             raise UsageError(
                 "--upstream: molds that a field of temperature deforms are traced from a sure reference only: state "
@@ -225,38 +221,27 @@ class PressChain:
     def _handed(self) -> None:
         """Add what the documents behind hand on; a number that acts by way of several is one."""
         for one in self.behind:
-            known = len(self.origins.found)
             join(self.origins, self.quiet.inputs, [one.file])
-            for place in range(known, len(self.origins.found)):
-                chapter = self.more.get(self.origins.found[place].ids[0], one.chapter)
-                self.owners.setdefault(chapter, []).append(place)
+            new = self.origins.found[len(self.chapters) :]
+            self.chapters += [self.more.get(origin.ids[0], one.chapter) for origin in new]
         # A document that hands nothing on cannot be at fault here.
         self.left_out += self.origins.left_out
 
     def _add(self, chapter: str, one: Origin) -> None:
-        self.owners.setdefault(chapter, []).append(len(self.origins.found))
+        self.chapters.append(chapter)
         self.origins.found.append(one)
 
     def links(self, readings: Sequence[Reading]) -> tuple[Array, list[Link]]:
         """Return what the press shows at readings as its documents are, and each chapter."""
-        front = Surface(self.closed.cold, self.closed.front.faces)
-        there = [on_press(front, self.model.files.frame, one) for one in readings]
-        pushed = over_stroke(self.result, readings)
+        seen = seen_in(self.result, readings)
 
         def shown(changes: Mapping[int, Array]) -> Array:
             found, sandwich = self.near.close(changes)
-            return seen(
-                there,
-                sandwich,
-                found.gap,
-                found.touch,
-                None if pushed is None else partial(pushed.force, found=found, sandwich=sandwich),
-            )
+            return seen(sandwich, found.gap, found.touch, found)
 
         links = []
-        for chapter, owned in self.owners.items():
-            if not owned:
-                continue
+        for chapter in dict.fromkeys(self.chapters):
+            owned = [k for k, one in enumerate(self.chapters) if one == chapter]
             sources = [self.origins.found[k] for k in owned]
             cuts = np.cumsum([len(one.numbers) for one in sources])[:-1]
 
@@ -274,8 +259,18 @@ class PressChain:
     def _document(self, chapter: str) -> str:
         return self.sources.get(chapter) or (self.case.foam if chapter in ("foam", "mounting") else "")
 
-    def corrected(self, link: Link, change: Array) -> Corrected:
-        """Return the press with a chapter's constants changed: its case and the files that are other than on disk."""
+    def run_anew(self, link: Link, change: Array, readings: Sequence[Reading]) -> tuple[Corrected, Array]:
+        """Return the press with a chapter's constants changed, and what it shows at the readings, the whole chain run
+        anew."""
+        corrected = self._corrected(link, change)
+        case: PressCase = corrected.case  # type: ignore[assignment]
+        job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
+        told = closed_press(job, case)[0]
+        closed = told.closed
+        return corrected, seen_in(told, readings)(closed.press.sandwich, closed.contact.gap, closed.touch)
+
+    def _corrected(self, link: Link, change: Array) -> Corrected:
+        """Return the chain put right: its case and the files that are other than on disk."""
         if link.name == SHEET:
             by_name = {number.name: float(by) for number, by in zip(link.numbers, change, strict=True)}
             made = drape_applied(self._made(DrapeCase, link.document), by_name)
@@ -327,17 +322,6 @@ class PressChain:
         if one.chapter == "fabric":
             return dump_json(parse_document(data, one.source, MaterialDocument).refitted().to_json())
         return dump_toml(data)
-
-    def shown(self, link: Link, change: Array, corrected: Corrected, readings: Sequence[Reading]) -> Array:
-        """Return what the corrected press shows at the readings, the whole chain run anew."""
-        case: PressCase = corrected.case  # type: ignore[assignment]
-        job = replace(self.job, inputs=Overlay(corrected.files), ranges=Ranges())
-        told: PressResult = closed_press(job, case)[0]
-        closed, front = told.closed, Surface(told.closed.cold, told.closed.front.faces)
-        there = [on_press(front, told.frame, one) for one in readings]
-        pushed = over_stroke(told, readings)
-        force = None if pushed is None else pushed.force
-        return seen(there, closed.press.sandwich, closed.contact.gap, closed.touch, force)
 
 
 def _made_again(one: _Behind, given: Mapping[str, bytes], how: str) -> dict[str, bytes]:

@@ -17,8 +17,6 @@ from hyperfab.loop.press import STROKE_SD, PressProblem
 from hyperfab.loop.press_reading import Reading
 from hyperfab.loop.press_table import PressTable, press_table
 from hyperfab.loop.upstream import Readings
-from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.mold import PressFrame
 from hyperfab.pressing.nearby import Found
 from hyperfab.pressing.sandwich import Sandwich
 from hyperfab.surface import Surface
@@ -46,16 +44,17 @@ class Pushed:
         table, few, correction = press_table(closed, plan_of(told), travel, 0.0)
         exact, summed = few.force(table.openings) * correction, _sum(table)
         exactness = np.divide(exact, summed, out=np.ones(len(exact)), where=summed > 0.0)
-        return cls(table, exactness, _compliance(closed), closed.pose.opening, closed.contact.gap)
+        compliance = 0.0 if closed.case.frame is None else 1.0 / closed.case.frame
+        return cls(table, exactness, compliance, closed.pose.opening, closed.contact.gap)
 
-    def force(self, stroke: Array, found: Found | None = None, sandwich: Sandwich | None = None) -> Array:
+    def force(self, stroke: Array, found: Found | None, sandwich: Sandwich) -> Array:
         """Return the force (m,) [N] at strokes (m,) [mm] from the first touch on, as the machine reads them; of a press
         beside it as it was ``found`` closed, with its ``sandwich``.
 
         Where it stands closed is no matter of a force over stroke: gaps are compared at the same opening.
         """
         table = self.table
-        if found is not None and sandwich is not None:
+        if found is not None:
             opens = table.at(np.array([self.opening]), table.push / table.area)[0]
             gained = found.gap - self.gap - (found.place[0] - self.opening) * opens
             foam, fabric = (np.broadcast_to(part, gained.shape) for part in (sandwich.foam, sandwich.fabric))
@@ -75,33 +74,24 @@ def _sum(table: PressTable) -> Array:
     return np.asarray(np.sum(pressure * table.push, axis=1))
 
 
-def _compliance(closed: Closed) -> float:
-    """Return how far the frame yields [mm/N]."""
-    return 0.0 if closed.case.frame is None else 1.0 / closed.case.frame
-
-
-def on_press(front: Surface, frame: PressFrame, reading: Reading) -> Reading:
-    """Return a reading with where it is on the male, one over the stroke as it is."""
-    return reading if reading.places is None else on_front(front, frame, reading)
-
-
-def over_stroke(told: PressResult, readings: Sequence[Reading]) -> Pushed | None:
-    """Return the press over its stroke, None where no force was read."""
+def seen_in(told: PressResult, readings: Sequence[Reading]) -> Callable[..., Array]:
+    """Return what shows the readings (n,) of a press: on the male's front, by a ``sandwich`` in gaps at its vertices
+    (``gap``, the nearest, and ``touch`` along the normal); and the force over the stroke, of a press beside it as it
+    was ``found`` closed."""
+    front = Surface(told.closed.cold, told.closed.front.faces)
+    there = [one if one.places is None else on_front(front, told.frame, one) for one in readings]
     travel = [float(np.max(one.stroke)) for one in readings if one.stroke is not None]
-    return Pushed.of(told, max(travel)) if travel else None
+    pushed = Pushed.of(told, max(travel)) if travel else None
 
+    def seen(sandwich: Sandwich, gap: Array, touch: Array, found: Found | None = None) -> Array:
+        return np.concatenate([
+            pushed.force(one.stroke, found, sandwich)
+            if pushed is not None and one.stroke is not None
+            else one.shown(sandwich, touch if one.kind == "contact" else gap)
+            for one in there
+        ])  # fmt: skip
 
-def seen(
-    readings: Sequence[Reading], sandwich: Sandwich, gap: Array, touch: Array, force: Callable[[Array], Array] | None
-) -> Array:
-    """Return the readings (n,): on the male's front, over gaps at its vertices (the nearest, and along the normal), and
-    the force over the stroke."""
-    return np.concatenate([
-        force(one.stroke)
-        if force is not None and one.stroke is not None
-        else one.shown(sandwich, touch if one.kind == "contact" else gap)
-        for one in readings
-    ])  # fmt: skip
+    return seen
 
 
 def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings]:
@@ -116,7 +106,7 @@ def placed(problem: PressProblem, noise: Noise) -> tuple[list[Reading], Readings
     places = np.concatenate([_along(reading) for reading in readings])
     kind = np.concatenate([np.full(len(one.values), KINDS.index(one.kind)) for one in readings])
     # Where the machine counts its stroke from is known to its own standard deviation only.
-    given = {one.name: one.value for one in problem.own}
+    given = problem.as_stated(problem.given)
     off = given | ({"stroke.zero": STROKE_SD} if "stroke.zero" in given else {})
     shown = [problem.predict(np.array(list(own.values())), {}) for own in (given, off)]
     sd = np.hypot(noise.sd, shown[1] - shown[0])[rows]

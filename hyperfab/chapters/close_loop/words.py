@@ -123,21 +123,11 @@ def doubts(problem: Problem, found: Finding, document: LoopDocument) -> list[str
     return told
 
 
-def delivered_of(problem: Problem) -> Array:
-    """Return what the model predicts with its constants as they were given."""
-    if problem.as_delivered is not None:
-        return problem.as_delivered
-    return problem.predict(np.array([constant.value for constant in problem.own]), {})
-
-
 def another_unit(problem: Problem) -> list[str]:
     """Return which kinds of reading are so many times what the model says that their unit is the nearest reason."""
-    told, given = [], delivered_of(problem)
+    told, given = [], problem.delivered
     for channel, unit in enumerate(problem.units):
-        rows = np.zeros(len(given), dtype=bool)
-        for curve in problem.curves:
-            if curve.channel == channel and not curve.beforehand:
-                rows[curve.rows] = True
+        rows = problem.channel == channel
         # Where the model has next to nothing a ratio says nothing of units.
         size, read = np.abs(np.where(np.isfinite(given), given, 0.0)), np.abs(problem.measured)
         large = rows & (size > 0.0) & (read > _LITTLE * np.max(read[rows], initial=0.0))
@@ -160,7 +150,7 @@ def strange_probes(problem: Problem) -> list[str]:
     """
     if "probe" not in problem.states or len(problem.curves) < 3:
         return []
-    given = delivered_of(problem)
+    given = problem.delivered
     moved = np.array([[np.ptp(row[curve.rows]) for curve in problem.curves] for row in (problem.measured, given)])
     beside = moved[0] / np.maximum(moved[1], 1e-12)
     beside /= max(float(np.median(beside)), 1e-12)
@@ -181,7 +171,12 @@ def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
     noise += silent(problem, found)
-    given = "" if error.delivered is None else f"As delivered the model misses by {size_of(error.delivered, unit)}. "
+    answers = np.isfinite(problem.delivered[problem.channel == 0])
+    given = ""
+    if error.delivered is not None:
+        given = f"As delivered the model misses by {size_of(error.delivered, unit)}. "
+    elif lost := np.count_nonzero(~answers):
+        given = f"As delivered the model has no answer at {lost} of {len(answers)} readings. "
     return f"{given}With its own constants refitted the model misses by {size_of(error.before, unit)} (rms), {noise}."
 
 

@@ -153,7 +153,7 @@ def _whole(job: Job, readings: Readings, setting: Setting, case: FitCase) -> _Fi
         )
     for unknown in fit.undetermined:
         job.console.note(
-            f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; {unknown.test} tells it"
+            f"{unknown.constant}: not told by these tests, {unknown.value:g} taken; it takes {unknown.test}"
         )
     for curve, known in fit.ranges(document):
         _note_ranges(job, document, curve, curve.stretch, known, curve.direction_name)

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.loop.press_reading import Changes, Frame, Reading
+from hyperfab.loop.press_reading import Changes, Frame, Reading, Setting
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form
 from hyperfab.pressing import foam_law
 
@@ -39,26 +39,22 @@ class FoamContext:
 
 @dataclass(frozen=True)
 class DataContext:
-    """Half the male's width [mm], the largest force [N], the travel from the first touch [mm]; whether strokes and
-    times were read, and the longest time [s]; whether the female floats, and whether the press was set by its force.
+    """How the press was set, and what the model has of the sandwich; the largest force [N], the travel from the first
+    touch [mm], and the longest time [s] that was read, None where none was.
 
     ``pressure_MPa`` is the foam's at half its thickness, ``temperatures`` [degC] those of the molds as readings were
-    taken, ``molds_degC`` that of the model; ``formed`` tells whether thickness was read after the press had opened.
+    taken; ``strokes`` and ``formed`` tell whether strokes were read, and thickness after the press had opened.
     """
 
-    half_mm: float
+    setting: Setting
+    foam: FoamContext
     force_N: float
     travel_mm: float
+    time_s: float | None
+    pressure_MPa: float
+    temperatures: tuple[float, ...]
     strokes: bool
-    timed: bool
-    time_s: float
-    floats: bool = False
-    forced: bool = False
-    pressure_MPa: float = 0.005
-    foam: FoamContext = FoamContext()
-    temperatures: tuple[float, ...] = (20.0,)
-    molds_degC: float = 20.0
-    formed: bool = False
+    formed: bool
 
 
 def entries(context: DataContext) -> tuple[Effect, ...]:
@@ -114,7 +110,7 @@ def foam_relaxation(context: DataContext) -> PressEffect:
     readings over time its time."""
     share = Constant("share", 0.0, 0.0, 0.95, 0.03)
     forms = [Form("share", (share,), ((0.2,), (0.5,)), ((0.05,),))]
-    if context.timed:
+    if context.time_s is not None:
         whole, half = context.time_s, 0.3 * context.time_s
         time = Constant("time_s", half, 1e-3 * whole, 30.0 * whole, 0.1 * whole)
         power = Constant("power", 1.0, 0.2, 1.5, 0.1)
@@ -133,14 +129,14 @@ def foam_relaxation(context: DataContext) -> PressEffect:
 
 def _fade(press: Changes, at: Mapping[str, float]) -> None:
     """Let the pressure fade while it is held, or throughout where no time is known."""
+    press.left.append(lambda reading: 1.0 - at["share"] * _come(at, reading))
 
-    def left(reading: Reading) -> Array | float:
-        if "time_s" not in at or reading.time_s is None:
-            return 1.0 - at["share"]
-        gone = np.expm1(-((reading.time_s / at["time_s"]) ** at.get("power", 1.0)))
-        return np.asarray(1.0 + at["share"] * gone)
 
-    press.left.append(left)
+def _come(at: Mapping[str, float], reading: Reading) -> Array | float:
+    """Return the share of what comes in time that is there when a reading is taken; all where no time is known."""
+    if "time_s" not in at or reading.time_s is None:
+        return 1.0
+    return np.asarray(-np.expm1(-((reading.time_s / at["time_s"]) ** at.get("power", 1.0))))
 
 
 def foam_shrinkage(context: DataContext) -> PressEffect:
@@ -148,7 +144,7 @@ def foam_shrinkage(context: DataContext) -> PressEffect:
     readings over time its time."""
     amount = Constant("amount", 0.0, 0.0, 0.8, 0.02)
     forms = [Form("share", (amount,), ((0.05,), (0.2,)), ((0.02,),))]
-    if context.timed and not context.foam.shrinks:
+    if context.time_s is not None and not context.foam.shrinks:
         whole, half = context.time_s, 0.3 * context.time_s
         time = Constant("time_s", half, 1e-3 * whole, 30.0 * whole, 0.1 * whole)
         forms.append(Form("in time", (amount, time), ((0.05, half), (0.05, 0.1 * half)), ((0.02, half),)))
@@ -164,13 +160,7 @@ def foam_shrinkage(context: DataContext) -> PressEffect:
 
 def _shrink(press: Changes, at: Mapping[str, float]) -> None:
     """Let the foam lose thickness in time, or have lost it from the first where no time is known."""
-
-    def lost(reading: Reading) -> Array | float:
-        if "time_s" not in at or reading.time_s is None:
-            return at["amount"]
-        return np.asarray(-at["amount"] * np.expm1(-reading.time_s / at["time_s"]))
-
-    press.lost.append(lost)
+    press.lost.append(lambda reading: at["amount"] * _come(at, reading))
 
 
 def foam_softening(context: DataContext) -> PressEffect:
@@ -197,7 +187,7 @@ def foam_softening(context: DataContext) -> PressEffect:
         shown_by="force over stroke with the molds cold",
         source="an exponential of temperature",
         forms=tuple(forms),
-        move=partial(_soften, law or 0.0, context.molds_degC),
+        move=partial(_soften, law or 0.0, context.setting.temperature),
     )
 
 
@@ -220,7 +210,7 @@ def frame_compliance(context: DataContext) -> PressEffect:
     """A press that yields under its force, ``[press] stiffness`` of foam.toml: the frame opens in proportion to it,
     or further while its joints have play, and is the stiffer the further they are closed."""
     whole = 1e3 * context.travel_mm / context.force_N
-    unread = context.forced and not context.strokes
+    unread = context.setting.force is not None and not context.strokes
     compliance = Constant("compliance_mm_kN", 0.0, 0.0, 20.0 * whole, 0.02 * whole)
     travel, force = context.travel_mm, context.force_N
     play = Constant("play_mm", 0.0, 0.0, travel, 0.02 * travel)
@@ -348,13 +338,13 @@ def thickness_variation() -> Effect:
 def tilt(context: DataContext) -> Effect:
     """A female that stands out of parallel, ``[press] tilt`` of foam.toml: a rotation about each of the two axes across
     the closing axis."""
-    edge = math.degrees(0.1 / context.half_mm)
+    edge = math.degrees(0.1 / context.setting.half_mm)
     both = _along_both("tilt_{}_deg", 0.5 * edge)
     return Effect(
         id="tilt",
         added=True,
         title="the molds are not parallel",
-        not_sought="a floating female finds its own tilt" if context.floats else "",
+        not_sought="a floating female finds its own tilt" if context.setting.floating else "",
         shown_by="pressure or thickness on opposite sides of the mold",
         source="rigid rotation, Rodrigues' formula",
         forms=(Form("rotation", both, _both_ways(2.0 * edge), ((edge, 0.0), (0.0, edge))),),

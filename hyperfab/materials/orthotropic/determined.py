@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.curve import TestCurve
 from hyperfab.materials.orthotropic.energy import ABSENT, NAMES
-from hyperfab.materials.orthotropic.rows import across
+from hyperfab.materials.orthotropic.rows import SLIGHT, across, strained
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
     >>> sought_by([pull])[0]
     ('C10_MPa', 'C20_MPa', 'C30_MPa')
     """
-    modes = {kind for test in tests for kind in _kinds(test)}
+    modes = _kinds(tests)
     angles = {test.direction for test in tests}
     uniaxial = {test.direction for test in tests if test.mode == "uniaxial"}
     ways = {_slant(a) for a in uniaxial if a is not None}
@@ -51,13 +51,13 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
         found.append("nu")
     else:
         open_.append(("nu", "the lateral stretch of the uniaxial test (column stretch 2)"))
-    if both:
-        found += ["k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft"]
-    else:
-        open_ += [
-            (name, "uniaxial tests along warp and weft")
-            for name in ("k1_warp_MPa", "k2_warp", "k1_weft_MPa", "k2_weft")
-        ]
+    # Threads that draw in wherever the tests pull carry nothing in them.
+    lengths = {"warp": strained(tests, 0.0), "weft": strained(tests, 90.0)}
+    for name, strain in lengths.items():
+        if both and strain > SLIGHT * max(lengths.values()):
+            found += [f"k1_{name}_MPa", f"k2_{name}"]
+        else:
+            open_ += [(constant, "uniaxial tests along warp and weft") for constant in (f"k1_{name}_MPa", f"k2_{name}")]
     # Strips cut at one angle tell that angle's stiffness, not whether threads or the resistance of the angle give it; a
     # pair of threads that may lie anywhere would stand in for those of warp or weft.
     slants = "four slanted angles" if slanted else "a biaxial one"
@@ -91,16 +91,24 @@ def sought_by(tests: Sequence[TestCurve]) -> tuple[tuple[str, ...], tuple[Unknow
     return tuple(name for name in NAMES if name in found), unknown
 
 
-def _kinds(test: TestCurve) -> set[str]:
-    """Return what a test counts as: general biaxial stretch at ratios far apart as more than one kind."""
-    if test.mode != "biaxial-general":
-        return {test.mode}
-    strains = np.abs(np.stack([test.stretch, across(test)]) - 1.0)
-    less, more = strains.min(axis=0), strains.max(axis=0)
-    # What is hardly pulled yet tells no ratio.
-    ratio = (less / np.where(more > 0.0, more, 1.0))[more > 0.2 * more.max()]
-    kinds = {"shear": ratio < 0.35, "between": (ratio >= 0.35) & (ratio < 0.8), "biaxial": ratio >= 0.8}
-    return {name for name, rows in kinds.items() if rows.any()}
+def _kinds(tests: Sequence[TestCurve]) -> set[str]:
+    """Return what tests count as: general biaxial stretch at ratios far apart, each axis over what it is strained by at
+    most, as more than one kind."""
+    general = [test for test in tests if test.mode == "biaxial-general"]
+    strains = [np.stack([test.stretch, across(test)]) - 1.0 for test in general]
+    # Along warp and weft, whichever is the first axis.
+    strains = [
+        one if _slant(test.direction or 0.0) < 45.0 else one[::-1] for test, one in zip(general, strains, strict=True)
+    ]
+    most = np.max([np.abs(one).max(axis=1) for one in strains], axis=0, initial=1e-9)
+    found = {test.mode for test in tests} - {"biaxial-general"}
+    for strain in strains:
+        less, more = np.sort(strain / most[:, None], axis=0)
+        # What is hardly pulled yet tells no ratio.
+        ratio = (less / np.where(more > 0.0, more, 1.0))[more > 0.2 * more.max()]
+        kinds = ("trellis", "uniaxial", "shear", "between", "biaxial")
+        found |= {kinds[place] for place in np.digitize(ratio, (-0.5, -0.15, 0.35, 0.8))}
+    return found
 
 
 def _slant(angle: float) -> float:

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -28,11 +29,11 @@ from hyperfab.materials.identification.scatter import Weighed
 from hyperfab.materials.orthotropic.determined import Unknown, sought_by
 from hyperfab.materials.orthotropic.energy import LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.grips import at_readings
-from hyperfab.materials.orthotropic.rows import Gathered, LinearRows, Rows, across, linear_rows
+from hyperfab.materials.orthotropic.rows import Gathered, LinearRows, Rows, linear_rows, strained
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
 
 _GRID = {"nu": (0.02, 0.2, 0.35, 0.5), "bias_deg": (20.0, 35.0, 45.0, 55.0, 70.0)}
-#: Upturn of a thread over the data, as k2 times the square of the largest strain I - 1.
+#: Upturn of a thread over the data, as k2 times the square of its largest strain I - 1.
 _UPTURN = (0.03, 0.6, 3.0, 8.0)
 _MOST_UPTURN = 40.0
 _STARTS = 6
@@ -124,10 +125,11 @@ class _Free:
     def stress_scale(self) -> float:
         return largest_stress(self.tests)
 
-    @property
-    def reach(self) -> float:
-        """The largest strain I - 1 of the tests."""
-        return max(max(float(test.stretch.max()), float(across(test).max())) for test in self.tests) ** 2 - 1.0
+    @cached_property
+    def reach(self) -> dict[str, float]:
+        """The largest strain I - 1 of the threads that each upturn is of; inclined ones may lie nearly along either."""
+        warp, weft = strained(self.tests, 0.0), strained(self.tests, 90.0)
+        return {"k2_warp": warp, "k2_weft": weft, "k2_bias": max(min(warp, weft), 0.05 * max(warp, weft))}
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -142,7 +144,7 @@ class _Free:
         if name in LINEAR:
             return float(z * self.stress_scale)
         if name.startswith("k2"):
-            return float(np.exp(z)) / self.reach**2
+            return float(np.exp(z)) / self.reach[name] ** 2
         if name == "nu" and z > 0.5 - _HELD:
             return 0.5
         return float(45.0 * z if name == "bias_deg" else z)
@@ -214,11 +216,9 @@ class _Free:
     def starts(self, tests: Sequence[TestCurve]) -> list[Array]:
         """Return the best non-negative linear solutions over a grid of the other constants."""
         p = self.base.parameters
-        k2 = [value / self.reach**2 for value in _UPTURN]
-        options = {
-            name: (_GRID.get(name, k2) if name in self.names else (p[name],))
-            for name in ("nu", "k2_warp", "k2_weft", "k2_bias", "bias_deg")
-        }
+        grid = _GRID | {name: tuple(value / reach**2 for value in _UPTURN) for name, reach in self.reach.items()}
+        options = {name: values if name in self.names else (p[name],) for name, values in grid.items()}
+        inclined = {angle: self.reach["k2_bias"] / strained(self.tests, angle) for angle in options["bias_deg"]}
         linear = [name for name in self.names if name in LINEAR]
         ranked: list[tuple[float, Array]] = []
         for nu in options["nu"]:
@@ -232,10 +232,8 @@ class _Free:
             ground = columns(nu=nu)
             warp = {k: columns(nu=nu, k2_warp=k)["k1_warp_MPa"] for k in options["k2_warp"]}
             weft = {k: columns(nu=nu, k2_weft=k)["k1_weft_MPa"] for k in options["k2_weft"]}
-            bias = {
-                pair: columns(nu=nu, k2_bias=pair[0], bias_deg=pair[1])["k1_bias_MPa"]
-                for pair in product(options["k2_bias"], options["bias_deg"])
-            }
+            pairs = [(k * inclined[angle] ** 2, angle) for k, angle in product(options["k2_bias"], inclined)]
+            bias = {(k, angle): columns(nu=nu, k2_bias=k, bias_deg=angle)["k1_bias_MPa"] for k, angle in pairs}
             b = np.concatenate([one.right for one in rows])
             for kw, kf, kb in product(warp, weft, bias):
                 every = {
@@ -248,7 +246,7 @@ class _Free:
                 values = dict(zip(linear, c, strict=True))
                 values |= {"nu": nu, "bias_deg": kb[1] / 45.0}
                 values |= {
-                    name: np.log(max(k * self.reach**2, 1e-3))
+                    name: np.log(max(k * self.reach[name] ** 2, 1e-3))
                     for name, k in (("k2_warp", kw), ("k2_weft", kf), ("k2_bias", kb[0]))
                 }
                 ranked.append((rest, np.array([values[name] for name in self.names])))
