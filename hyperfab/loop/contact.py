@@ -309,7 +309,7 @@ def contact_problem(
     model = np.array([axis.base for axis in sheet.emulator.axes])
     at_rest = sheet.emulator(model)
     deepest = len(sheet.knots) - 1
-    reach = axes["sphere"].up if sheet.of_any_sphere else 0.0
+    reach = axes["sphere"].up if "sphere" in axes else 0.0
     # A sphere of another radius is nearly a factor on the force, as the law's constants are.
     sphere = sheet.emulator(np.where([name == "sphere" for name in axes], reach, model))
     off = abs(float(sphere[deepest] / at_rest[deepest]) - 1.0)
