@@ -35,7 +35,8 @@ _SETTLED, _STEPS = 1e-7, 60
 @dataclass(frozen=True)
 class ForceDepth:
     """One file: depth (m,) [mm], force (m,) [N], the temperature (m,) [degC] where it is known, and what the model
-    itself has the stiffness softened to there; the coefficient of ``friction`` where that is known of the test."""
+    itself has the stiffness softened to there; the coefficient of ``friction`` where that is known of the test, and the
+    ``sd`` (m,) that it states of its forces."""
 
     name: str
     depth: Array
@@ -43,6 +44,7 @@ class ForceDepth:
     temperature: Array | None = None
     softened: Array | None = None
     friction: float | None = None
+    sd: Array | None = None
 
     kind: ClassVar[str] = "force"
 

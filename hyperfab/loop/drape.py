@@ -35,13 +35,15 @@ ASIDE = ("aside x", "aside y")
 @dataclass(frozen=True)
 class Markers:
     """One file: places (m, 2) on the flat sheet and where they are found (m, 3) [mm]; ``index`` (3 m,) is where the
-    values of a part stand in the file, ``lines`` (m,) where the markers do."""
+    values of a part stand in the file, ``lines`` (m,) where the markers do; ``sd`` (3 m,) is what a whole file states
+    of its values."""
 
     name: str
     flat: Array
     found: Array
     index: Ints | None = None
     lines: Ints | None = None
+    sd: Array | None = None
     kind: ClassVar[str] = "place"
 
     @property
@@ -52,7 +54,8 @@ class Markers:
     def of(self, rows: Ints) -> Markers:
         """Return some of the markers of a file."""
         lines = None if self.lines is None else self.lines[rows]
-        return Markers(self.name, self.flat[rows], self.found[rows], lines=lines)
+        sd = None if self.sd is None else self.sd.reshape(3, -1)[:, rows].ravel()
+        return Markers(self.name, self.flat[rows], self.found[rows], lines=lines, sd=sd)
 
     def parts(self) -> list[Markers]:
         """Return the patches of neighbours that are left out in turn."""

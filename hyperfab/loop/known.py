@@ -39,6 +39,10 @@ class File(Protocol):
         """What was read (m,), row by row."""
 
     @property
+    def sd(self) -> Array | None:
+        """The standard deviations that a whole file states of its values (m,)."""
+
+    @property
     def index(self) -> Ints | None:
         """Where the rows stand in the file, of which this is a part."""
 

@@ -57,7 +57,8 @@ class Reading:
     pressed; ``index`` is where the rows stand in the file. ``formed`` is thickness when the press has opened,
     ``fabric`` that of the fabrics alone under a ``load`` (m,) [MPa], ``mounting`` how much further (less their mean)
     the female's mounting face stands from the male at ``places`` (m, 3) of the press frame. The molds are at
-    ``temperature`` [degC], with what that makes of the press in ``warmth``; None: as the model has them.
+    ``temperature`` [degC], with what that makes of the press in ``warmth``; None: as the model has them. ``sd`` (m,) is
+    what the file states of its values.
     """
 
     name: str
@@ -72,6 +73,7 @@ class Reading:
     load: Array | None = None
     temperature: float | None = None
     warmth: Warmth | None = None
+    sd: Array | None = None
 
     @property
     def along(self) -> Array | None:

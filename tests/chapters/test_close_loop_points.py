@@ -181,17 +181,17 @@ def test_files_of_a_press_say_what_they_are(press: Path, monkeypatch: pytest.Mon
     job = Job("close-loop", [], Console(True))
     for kind, (head, columns) in files.items():
         csv(press / f"{kind}.csv", head, *columns)
-        reading, _ = read_press(job, f"{kind}.csv", None)
+        reading = read_press(job, f"{kind}.csv", PLAIN, Counter())
         assert reading.kind == kind
         assert reading.temperature == (25.0 if "temperature" in head else None)
-    mounting, _ = read_press(job, "mounting.csv", None)
+    mounting = read_press(job, "mounting.csv", PLAIN, Counter())
     assert mounting.values == pytest.approx([-4.5, -1.5, 1.5, 4.5])
     csv(press / "lvdt.csv", "time [s],LVDT 1 [mm],Cell [N]", rows)
     with pytest.raises(InputError, match=r"LVDT 1 \[mm\]=stroke \[mm\],Cell \[N\]=force \[N\]"):
-        read_press(job, "lvdt.csv", None)
+        read_press(job, "lvdt.csv", PLAIN, Counter())
     csv(press / "warming.csv", "stroke [mm],force [N],temperature [degC]", rows)
     with pytest.raises(InputError, match="give a file for each temperature"):
-        read_press(job, "warming.csv", None)
+        read_press(job, "warming.csv", PLAIN, Counter())
 
 
 @pytest.mark.parametrize(
@@ -217,13 +217,13 @@ def test_readings_of_presses_and_sheets_are_found_under_other_languages_names(
     (tmp_path / "read.csv").write_text(f"Prüfer: M. B.\n\n{head}\n{rows}")
     job = Job("close-loop", [], Console(True))
     if kind == "depth":
-        curve, _ = read_force_depth(job, "read.csv", PLAIN)
+        curve = read_force_depth(job, "read.csv", PLAIN, Counter())
         assert curve.depth[0] == 1.25
     elif kind is None:
         with pytest.raises(InputError, match=r'--columns "Film A=pressure \[MPa\]"'):
-            read_press(job, "read.csv", PLAIN)
+            read_press(job, "read.csv", PLAIN, Counter())
     else:
-        assert read_press(job, "read.csv", PLAIN)[0].kind == kind
+        assert read_press(job, "read.csv", PLAIN, Counter()).kind == kind
 
 
 @pytest.mark.parametrize(
@@ -240,7 +240,9 @@ def test_columns_of_a_press_are_named_on_the_command_line(
     """What a refused file was told to say was refused itself."""
     monkeypatch.chdir(tmp_path)
     csv(tmp_path / "read.csv", "A,B,C,Film A", np.arange(12.0).reshape(4, 3), np.arange(4.0))
-    found, _ = read_press(Job("close-loop", [], Console(True)), "read.csv", layout([said], own=names_of("press", {})))
+    found = read_press(
+        Job("close-loop", [], Console(True)), "read.csv", layout([said], own=names_of("press", {})), Counter()
+    )
     assert found.kind == kind
     assert found.values.tolist() == [0.0, 1.0, 2.0, 3.0]
 
@@ -250,9 +252,9 @@ def test_columns_of_sheets_are_named_on_the_command_line(tmp_path: Path, monkeyp
     job = Job("close-loop", [], Console(True))
     csv(tmp_path / "read.csv", "A,B,C,D,E", np.arange(20.0).reshape(4, 5))
     pushed = layout(["A=depth [mm],E=force [N],2=force sd [N]"], own=names_of("contact", {}))
-    assert read_force_depth(job, "read.csv", pushed)[0].force.tolist() == [4.0, 9.0, 14.0, 19.0]
+    assert read_force_depth(job, "read.csv", pushed, Counter()).force.tolist() == [4.0, 9.0, 14.0, 19.0]
     draped = layout(["A=x0 [mm],B=y0 [mm],C=x [mm],D=-y [mm],E=z [mm]"], own=names_of("drape", {}))
-    assert read_markers(job, "read.csv", draped)[0].found[0].tolist() == [2.0, -3.0, 4.0]
+    assert read_markers(job, "read.csv", draped, Counter()).found[0].tolist() == [2.0, -3.0, 4.0]
 
 
 @pytest.mark.parametrize(("said", "time"), [("4 s", 4.0), ("1.5 min", 90.0), ("14:05", None), ("3.4.2024", None)])
@@ -263,7 +265,7 @@ def test_when_a_film_was_read_may_stand_above_the_table(
     monkeypatch.chdir(tmp_path)
     head = f"# time: {said}\nx [mm],y [mm],z [mm],pressure [MPa]"
     csv(tmp_path / "film.csv", head, np.arange(12.0).reshape(4, 3), np.arange(4.0))
-    found = read_press(Job("close-loop", [], Console(True)), "film.csv", None)[0].time_s
+    found = read_press(Job("close-loop", [], Console(True)), "film.csv", PLAIN, Counter()).time_s
     assert found is None if time is None else np.array_equal(found, np.full(4, time))
 
 
@@ -277,7 +279,7 @@ def test_a_time_with_a_comma_is_refused_and_not_passed_over(tmp_path: Path, monk
         np.arange(4.0),
     )
     with pytest.raises(InputError, match=r"time.*decimal point"):
-        read_press(Job("close-loop", [], Console(True)), "film.csv", None)
+        read_press(Job("close-loop", [], Console(True)), "film.csv", PLAIN, Counter())
 
 
 def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -288,18 +290,18 @@ def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeyp
     pasted = np.column_stack([places, values])[[*range(12), *range(8)]]
     csv(tmp_path / "film.csv", "x [mm],y [mm],z [mm],pressure [MPa]", *pasted.T)
     gone: Counter[str] = Counter()
-    reading, _ = read_press(job, "film.csv", None, gone)
+    reading = read_press(job, "film.csv", PLAIN, gone)
     assert np.array_equal(reading.values, values)
     assert gone == {"film.csv: row that stands there already": 8}
     again = pasted.copy()
     again[-1, 3] += 0.01
     csv(tmp_path / "again.csv", "x [mm],y [mm],z [mm],pressure [MPa]", *again.T)
-    reading, _ = read_press(job, "again.csv", None, gone)
+    reading = read_press(job, "again.csv", PLAIN, gone)
     assert len(reading.values) == 20
     flat = places[:, :2]
     markers = np.column_stack([flat, places])[[*range(12), 3, 4]]
     csv(tmp_path / "markers.csv", "x0 [mm],y0 [mm],x [mm],y [mm],z [mm]", *markers.T)
-    read, _ = read_markers(job, "markers.csv", None, gone)
+    read = read_markers(job, "markers.csv", PLAIN, gone)
     assert np.array_equal(read.flat, flat)
     csv(
         tmp_path / "force.csv",
@@ -307,7 +309,7 @@ def test_rows_that_stand_twice_are_read_once_and_counted(tmp_path: Path, monkeyp
         np.tile(np.arange(9.0), 2),
         np.tile(np.arange(9.0) ** 2, 2),
     )
-    curve, _ = read_force_depth(job, "force.csv", None, gone)
+    curve = read_force_depth(job, "force.csv", PLAIN, gone)
     assert len(curve.force) == 9
     assert gone["markers.csv: row that stands there already"] == 2
     assert gone["force.csv: row that stands there already"] == 9
@@ -326,7 +328,7 @@ def test_what_a_push_reads_behind_a_burst_is_left_out_and_a_way_back_is_told(
 
     def told(name: str, along: np.ndarray, values: np.ndarray) -> tuple[int, str]:
         csv(tmp_path / name, f"{way} [mm],force [N]", along, values)
-        curve, _ = read(job, name, None, gone)
+        curve = read(job, name, PLAIN, gone)
         return len(curve.values), capsys.readouterr().err
 
     after = 20.0 + 0.1 * np.arange(1, 11)
@@ -356,7 +358,7 @@ def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: py
     for name, values, end in where:
         csv(tmp_path / name, film, at, values)
         gone: Counter[str] = Counter()
-        reading, _ = read_press(job, name, None, gone)
+        reading = read_press(job, name, PLAIN, gone)
         assert np.array_equal(np.sort(reading.values), np.sort(values[values < end]))
         left = int(np.sum(values >= end))
         assert gone == ({f"{name}: at the end of the range (pressure {end:g})": left} if left else {})
@@ -365,13 +367,13 @@ def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: py
     csv(tmp_path / "punch.csv", "depth [mm],force [N]", way, force)
     csv(tmp_path / "hold.csv", "stroke [mm],force [N],time [s]", np.minimum(way, 3.0), force, 5.0 * way)
     told: Counter[str] = Counter()
-    assert np.max(read_press(job, "press.csv", None, told)[0].values) < 9.0
-    assert np.max(read_force_depth(job, "punch.csv", None, told)[0].force) < 9.0
+    assert np.max(read_press(job, "press.csv", PLAIN, told).values) < 9.0
+    assert np.max(read_force_depth(job, "punch.csv", PLAIN, told).force) < 9.0
     assert list(told.values()) == [11, 11]
-    assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
+    assert len(read_press(job, "hold.csv", PLAIN, told).values) == 40
     creeping = np.minimum(way, 3.0) + 0.005 * np.maximum(way - 3.0, 0.0)  # the machine holds the force
     csv(tmp_path / "hold.csv", "stroke [mm],force [N],time [s]", creeping, force, 5.0 * way)
-    assert len(read_press(job, "hold.csv", None, told)[0].values) == 40
+    assert len(read_press(job, "hold.csv", PLAIN, told).values) == 40
 
 
 def test_each_marker_has_the_deviation_that_is_stated_of_it(tmp_path: Path) -> None:
@@ -380,12 +382,12 @@ def test_each_marker_has_the_deviation_that_is_stated_of_it(tmp_path: Path) -> N
     sd, job = 0.1 + 0.01 * np.arange(30.0), Job("close-loop", [], Console(True))
     head = "x0 [mm],y0 [mm],x [mm],y [mm],z [mm],position sd [mm]"
     csv(tmp_path / "markers.csv", head, *flat.T, *flat.T, np.arange(30.0), sd)
-    markers, column = read_markers(job, str(tmp_path / "markers.csv"), None)
+    markers = read_markers(job, str(tmp_path / "markers.csv"), PLAIN, Counter())
     parts = markers.parts()
     measured = np.concatenate([part.values for part in parts])
     problem = SimpleNamespace(files=tuple(parts), measured=measured, curves=())
     problem.rows_of = partial(FilesProblem.rows_of, problem)  # type: ignore[arg-type]
-    found = Files([(markers, column)]).noise(problem, np.zeros(90)).sd  # type: ignore[arg-type]
+    found = Files([markers]).noise(problem, np.zeros(90)).sd  # type: ignore[arg-type]
     height = np.concatenate([np.repeat([False, False, True], len(part.flat)) for part in parts])
     assert np.allclose(found[height], 0.1 + 0.01 * measured[height])
 

@@ -67,7 +67,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
         kind = protocols[-1] if what is None else next(key for word, key in _NEXT.items() if word in what.text)
         return posed(truth, noise, [*protocols, kind], seed)
 
-    return Case(problem, Files([(one, None) for one in files]).noise, sd, forward.corrected, again)
+    return Case(problem, Files(list(files)).noise, sd, forward.corrected, again)
 
 
 #: What the next measurements are in the generator's words.

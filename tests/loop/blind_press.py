@@ -88,7 +88,7 @@ def posed(truth: truths.Truth, noise: float, protocols: Sequence[str], seed: int
             kind = "next cold"
         return posed(truth, noise, [*protocols, kind], seed)
 
-    return Case(problem, Files([(one, None) for one in files]).noise, sd, next=again)
+    return Case(problem, Files(list(files)).noise, sd, next=again)
 
 
 def case(effects: tuple[str, ...], seed: int, protocol: str, larger: float, finer: float) -> Case:

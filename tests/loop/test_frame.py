@@ -37,7 +37,7 @@ def read_through(frame: Callable[[np.ndarray], np.ndarray], noise: float, seed: 
     stroke = plain.stroke + frame(plain.values / plain.values.max())
     files = blind_press.as_readings([replace(plain, values=plain.values + off, stroke=stroke)])
     problem = pose(blind_press.told(), files, 0.10, [])[0]
-    return close_rounds(problem, Files([(one, None) for one in files]).noise, design=False)[1]
+    return close_rounds(problem, Files(list(files)).noise, design=False)[1]
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ def seen(stretch: tuple[float, float], noise: float, seed: int) -> Finding:
     draped, forward = blind_drape.model()
     markers = Markers("markers.csv", np.stack([line[i], line[j]], axis=1), found)
     problem = drape_problem(draped, [markers])
-    return close_rounds(problem, Files([(markers, None)]).noise, forward.corrected, design=False)[1]
+    return close_rounds(problem, Files([markers]).noise, forward.corrected, design=False)[1]
 
 
 def test_a_slack_sheet_is_told_from_a_heavy_one() -> None:

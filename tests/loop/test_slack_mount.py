@@ -82,6 +82,6 @@ def test_a_sheet_mounted_slack_is_named_with_its_slack(slack: float, mu: float) 
         oiled = forces(depth, {"prestretch": -slack}, 6.0)
         files.append(ForceDepth("o.csv", depth, oiled + 0.003 * true.max() * random.standard_normal(60), friction=0.0))
     problem = pose(sheet, files, material, 0.1, [])
-    found = close_rounds(problem, Files([(one, None) for one in files]).noise, forward.corrected, design=False)[1]
+    found = close_rounds(problem, Files(list(files)).noise, forward.corrected, design=False)[1]
     assert (found.verdict, {*found.after.ids}) == ("effect", {"pretension", "friction"} if mu else {"pretension"})
     assert found.after.fit.terms["pretension"][1][0] == pytest.approx(-slack, abs=0.002)

@@ -59,11 +59,11 @@ def run(job: Job, given: Given) -> int:
     document = parse_document(given.data, given.name, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
-    note_temperatures(job, FabricDocument(material, made.case.material), files.plain)
+    note_temperatures(job, FabricDocument(material, made.case.material), files.measured)
     check_unchanged(job, made, [*given.measured, *given.case.held])
     with job.console.progress("Closing the loop") as advance:
-        sheet = pose_sheet(forward, document, files.plain, lambda s: advance(0.3 * s, "forward runs"))
-    problem = pose(sheet, files.plain, material, given.surely, given.case.fix, made.case.temperature)
+        sheet = pose_sheet(forward, document, files.measured, lambda s: advance(0.3 * s, "forward runs"))
+    problem = pose(sheet, files.measured, material, given.surely, given.case.fix, made.case.temperature)
     return finish(
         job,
         out,
@@ -82,9 +82,7 @@ def note_temperatures(job: Job, fabric: FabricDocument, files: Sequence[ForceDep
         job.ranges.used("temperature_degC", met, known=fabric.known or None, source=fabric.name)
 
 
-def read_force_depth(
-    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
-) -> tuple[ForceDepth, Array | None]:
+def read_force_depth(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> ForceDepth:
     """Read depth and force, with temperature from a column or the metadata; and the force's sd column.
 
     Rows without a reading of their own are counted in ``left_out``.
@@ -99,7 +97,7 @@ def read_force_depth(
     if temperature is None and whole is not None:
         temperature = np.full(len(table["depth"]), whole)
     friction = stated_in(table, "friction", "dimensionless")
-    return ForceDepth(name, table["depth"], table["force"], temperature, friction=friction), spread(table, "force")
+    return ForceDepth(name, table["depth"], table["force"], temperature, friction=friction, sd=spread(table, "force"))
 
 
 def pose_sheet(

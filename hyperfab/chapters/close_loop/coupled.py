@@ -68,12 +68,12 @@ class InsteadOfNet:
 
     def closed(self, problem: DrapeProblem, found: Finding, tick: Ticks) -> Instead[DrapeProblem] | None:
         """Return the membrane that carries the markers, None where it does not either, or need not."""
-        self.left = misses(self.forward, problem, self.files.plain, found)
+        self.left = misses(self.forward, problem, self.files.measured, found)
         if self.left is None:
             return None
         coupled, files = membrane_of(self.forward), self.files
         draped = pose_sheet(coupled, lambda share: tick("the fabric as a membrane"))
-        posed = drape_problem(draped, files.plain, prior=self.given.surely, fixed=self.given.case.fix)
+        posed = drape_problem(draped, files.measured, prior=self.given.surely, fixed=self.given.case.fix)
         posed, other = close_rounds(posed, files.noise, coupled.corrected, tick, misses=files.misses)
         if other.verdict == "unexplained":
             return None

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.arrays import Array
 from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
@@ -91,11 +91,11 @@ def run(job: Job, given: Given) -> int:
     material = None if made.case.material is None else read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
     check_unchanged(job, made, [*given.measured, *given.case.held])
-    _check_places(forward.sheet, [*files.plain, *files.apart])
+    _check_places(forward.sheet, [*files.measured, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))
     files = _tracked(job, draped, files)
-    problem = drape_problem(draped, files.plain, prior=given.surely, fixed=given.case.fix)
+    problem = drape_problem(draped, files.measured, prior=given.surely, fixed=given.case.fix)
     # These drape sheets as this module does.
     from hyperfab.chapters.close_loop.coupled import InsteadOfNet
     from hyperfab.chapters.close_loop.upstream_drape import tracing
@@ -126,9 +126,7 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def read_markers(
-    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
-) -> tuple[Markers, Array | None]:
+def read_markers(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> Markers:
     """Read markers: their places on the flat sheet and on the draped one, and the sd of x, y and z where stated.
 
     Rows without a marker of their own are counted in ``left_out``.
@@ -140,28 +138,23 @@ def read_markers(
     sd = spread(table, "position")
     if sd is None:
         sd = spread(table, "x")
-    flat = np.stack([table["x0"], table["y0"]], axis=1)
-    markers = Markers(name, flat, np.stack([table[axis] for axis in "xyz"], axis=1), lines=table.lines)
-    return markers, None if sd is None else np.tile(sd, 3)
+    flat, found = (np.stack([table[axis] for axis in axes], axis=1) for axes in (("x0", "y0"), "xyz"))
+    return Markers(name, flat, found, lines=table.lines, sd=None if sd is None else np.tile(sd, 3))
 
 
 def _tracked(job: Job, draped: Draped, files: Files[Markers]) -> Files[Markers]:
     """Return the files without markers that were lost, by what the model as delivered leaves of them and of their
     neighbours; each is told and counted."""
 
-    def kept(one: Markers) -> Ints:
+    def kept(one: Markers) -> Markers:
         lost = mistracked(one.flat, one.found - at_markers(draped, one.flat)[0][0])
         if lost.size:
             lines = ", ".join(str(one.lines[row]) for row in lost) if one.lines is not None else ""
             job.console.warn(f"{one.name}, line {lines}: off its neighbours, as a marker that was lost is; left out")
             files.left_out[f"{one.name}: marker off its neighbours"] += len(lost)
-        return np.setdiff1d(np.arange(len(one.flat)), lost)
+        return one.of(np.setdiff1d(np.arange(len(one.flat)), lost))
 
-    measured = []
-    for one, sd in files.measured:
-        rows = kept(one)
-        measured.append((one.of(rows), None if sd is None else sd.reshape(3, -1)[:, rows].ravel()))
-    return replace(files, measured=measured, apart=[one.of(kept(one)) for one in files.apart])
+    return replace(files, measured=[*map(kept, files.measured)], apart=[*map(kept, files.apart)])
 
 
 def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:

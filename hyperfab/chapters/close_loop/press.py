@@ -59,19 +59,19 @@ def run(job: Job, given: Given) -> int:
     out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
     made = unchanged(earlier(PressCase, given.data, given.name))
     files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
-    kind = files.plain[0].kind
+    kind = files.measured[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
     out.refuse_inputs(job.inputs)
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
         told, warnings = closed_press(job, made.case)
-        for one in files.plain:
+        for one in files.measured:
             if one.temperature is not None:
                 note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
         check_unchanged(job, made, [*given.measured, *given.case.held])
         advance(0.15, "gaps over the stroke")
-        problem, others = pose(told, files.plain, given.surely, given.case.fix, files.apart)
+        problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)
     upstream = None
     if given.case.upstream:
         # It closes presses as this module does.
@@ -107,9 +107,7 @@ def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
     return told, listener.warnings
 
 
-def read_press(
-    job: Job, name: str, layout: Layout | None, left_out: Counter[str] | None = None
-) -> tuple[Reading, Array | None]:
+def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> Reading:
     """Read a file of ``x, y, z`` with one of pressure, contact, thickness, formed thickness, height, or of ``stroke,
     force``, or of fabrics alone, ``pressure, thickness``; and its sd column.
 
@@ -123,13 +121,13 @@ def read_press(
     if "stroke" in table and "force" in table:
         table = pushed(job, table, "stroke")
         table = once(table, ("force", "force sd"), left_out, along="stroke")
-        force = Reading(
-            name, "force", table["force"], stroke=table["stroke"], time_s=_time(table), temperature=temperature
-        )
-        return force, spread(table, "force")
+        return Reading(
+            name, "force", table["force"], stroke=table["stroke"], time_s=_time(table), temperature=temperature,
+            sd=spread(table, "force"),
+        )  # fmt: skip
     if "pressure" in table and "thickness" in table and "x" not in table:
         table = once(table, ("thickness", "thickness sd"), left_out, along="pressure")
-        return Reading(name, "fabric", table["thickness"], load=table["pressure"]), spread(table, "thickness")
+        return Reading(name, "fabric", table["thickness"], load=table["pressure"], sd=spread(table, "thickness"))
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
         unread = [] if kinds else _likely(table)
@@ -149,7 +147,8 @@ def read_press(
     places = np.stack([table[axis] for axis in "xyz"], axis=1)
     if kind == "mounting":
         values = values - np.mean(values)
-    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature), spread(table, kinds[0])
+    sd = spread(table, kinds[0])
+    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature, sd=sd)
 
 
 def _likely(table: Table) -> list[tuple[str, str]]:

@@ -50,18 +50,13 @@ _HOLD = 0.02
 
 @dataclass(frozen=True)
 class Files(Generic[F]):
-    """The files of ``--measured`` with their sd columns, and those of ``--hold-out``; what ``--noise`` states of which
-    quantity, and how many rows of which kind were not taken."""
+    """The files of ``--measured``, and those of ``--hold-out``; what ``--noise`` states of which quantity, and how many
+    rows of which kind were not taken."""
 
-    measured: list[tuple[F, Array | None]]
+    measured: list[F]
     apart: list[F] = field(default_factory=list)
     level: tuple[str, float] | None = None
     left_out: Counter[str] = field(default_factory=Counter)
-
-    @property
-    def plain(self) -> list[F]:
-        """The measured files without what they say of their noise."""
-        return [one for one, _ in self.measured]
 
     def misses(self, problem: FilesProblem[F]) -> Callable[[Fit], float]:
         """Return what says how far a model misses the readings that were set apart; by nothing where none were."""
@@ -78,12 +73,12 @@ class Files(Generic[F]):
             predicted = problem.delivered
         sd, unsure, count, source = np.ones(len(problem.measured)), 0.0, 0, ""
         guessed: dict[str, list[tuple[Ints, Guess]]] = {}
-        for one, column in self.measured:
+        for one in self.measured:
             rows = problem.rows_of(one.name)
             if self.level is not None and self.level[0] == _QUANTITIES.get(one.kind):
                 sd[rows], how = self.level[1], "stated"
-            elif column is not None:
-                sd[rows], how = column, "standard deviations in the data"
+            elif one.sd is not None:
+                sd[rows], how = one.sd, "standard deviations in the data"
             else:
                 guess = one.guess(predicted[rows])
                 how = guess.source
@@ -106,20 +101,20 @@ class Files(Generic[F]):
 def read_files(
     job: Job,
     given: Given,
-    read: Callable[[Job, str, Layout, Counter[str]], tuple[F, Array | None]],
+    read: Callable[[Job, str, Layout, Counter[str]], F],
     quantities: Sequence[str],
 ) -> Files[F]:
     """Read every file, of ``quantities`` that ``--noise`` may state; InputError where there are too few readings."""
     found: Files[F] = Files([], level=stated(given.case.noise, quantities))
     found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.measured)
-    if sum(len(one.values) for one in found.plain) < FEWEST:
+    if sum(len(one.values) for one in found.measured) < FEWEST:
         raise InputError(
             "has too few readings to tell noise from a residual",
             file=given.measured[0],
             remedy=f"give {FEWEST} or more",
         )
-    found.apart.extend(read(job, name, given.layout, found.left_out)[0] for name in given.case.held)
-    if found.level is not None and all(found.level[0] != _QUANTITIES.get(one.kind) for one in found.plain):
+    found.apart.extend(read(job, name, given.layout, found.left_out) for name in given.case.held)
+    if found.level is not None and all(found.level[0] != _QUANTITIES.get(one.kind) for one in found.measured):
         raise UsageError("--noise states another kind of reading than the files hold")
     return found
 
@@ -140,7 +135,7 @@ def stated_size(text: str | None, kind: str) -> float | None:
     return None if told is None else told[1]
 
 
-def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, along: str = "") -> Table:
+def once(table: Table, results: Sequence[str], left_out: Counter[str], along: str = "") -> Table:
     """Return a table of readings with every row once, in the order of what they were read ``along``, if anything; rows
     that are no reading, or copies, are counted in ``left_out``.
 
@@ -164,8 +159,7 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str] | None, al
             table = _rows(table, np.flatnonzero(~ended))
     if along:
         table = _rows(table, np.argsort(table[along], kind="stable"))
-    if left_out is not None:
-        left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
+    left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
     return table
 
 
