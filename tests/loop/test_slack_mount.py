@@ -12,7 +12,7 @@ from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.fabric_contact.setup import setup_of
 from hyperfab.loop.catalogue.contact import DataContext, pretension
-from hyperfab.loop.contact import ForceDepth
+from hyperfab.loop.contact import ADDED, ForceDepth
 from hyperfab.loop.slack import Slack
 from hyperfab.membrane.sphere_contact import rough_path
 
@@ -61,7 +61,7 @@ def test_the_emulated_slack_sheet_is_the_sheet(settings: dict[str, float]) -> No
     _, sheet, forward = blind_contact.model()
     assert sheet.slack is not None
     depths, added = np.linspace(4.0, 60.0, 25), settings["prestretch"]
-    effects = np.array([added, settings.get("friction", 0.0), settings.get("slip", 0.0), 0.0, 0.0])
+    effects = np.array([settings.get(name, 0.0) for name in ADDED])
     found = sheet.force(np.ones(len(sheet.names)), effects, depths)
     _, states = forward.states(forward.test(settings), depths)
     true = np.array([state.force for state in states])
