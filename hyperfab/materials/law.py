@@ -172,6 +172,10 @@ def of_I2(W: Value, W2: Value, W22: Value) -> InvariantTerm:
     return InvariantTerm(W=W, W2=W2, W22=W22)
 
 
+#: Where exp(y) - 1 - y is summed: fourteen powers leave nothing, beyond it little cancels.
+_NEAR = 0.3
+
+
 @dataclass(frozen=True)
 class PowerTerm:
     """``factor (l1^alpha + l2^alpha + l3^alpha - 3) / alpha``, also for alpha near 0."""
@@ -191,7 +195,8 @@ class PowerTerm:
         a, l1, l2 = self.alpha, sheet.l1, sheet.l2
         p1, p2 = self.stress(sheet), self.stress(sheet, along=2)
         power1, power2, power3 = (np.exp(a * log) for log in sheet.logs)
-        total = sum(np.expm1(a * log) for log in sheet.logs)
+        # The logarithms add up to zero: without them what is left is positive, and nothing cancels at a small alpha.
+        total = sum(above_tangent(a * log) for log in sheet.logs)
         return Membrane(
             W=self.factor * total / np.where(a == 0.0, 1.0, a),
             P1=p1,
@@ -200,6 +205,21 @@ class PowerTerm:
             A12=self.factor * a * power3 / (l1 * l2),
             A22=self.factor * ((a - 1.0) * power2 + (a + 1.0) * power3) / l2**2,
         )
+
+
+def above_tangent(y: Value) -> Array:
+    """Return ``exp(y) - 1 - y``, near 0 by its series: to rounding of itself.
+
+    >>> above_tangent(1e-6)
+    array(5.00000167e-13)
+    """
+    y = np.asarray(y)
+    near = np.abs(y) < _NEAR
+    z = np.where(near, y, 0.0)
+    series = np.zeros_like(z)
+    for order in range(14, 1, -1):
+        series = series * z + 1.0 / math.factorial(order)
+    return np.where(near, z * z * series, np.expm1(y) - y)
 
 
 def log_I2(sheet: Sheet) -> InvariantTerm:

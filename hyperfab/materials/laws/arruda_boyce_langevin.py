@@ -17,6 +17,13 @@ _SERIES = (
     87734 / 38979295480125,
 )  # fmt: skip
 SMALL = 0.3
+#: Gauss's rule of six points on (-1, 1), right to rounding for L over a way of b of ``_SHORT``: its poles are pi away.
+_GAUSS = (
+    (-0.9324695142031521, 0.1713244923791704), (-0.6612093864662645, 0.3607615730481386),
+    (-0.2386191860831969, 0.4679139345726910), (0.2386191860831969, 0.4679139345726910),
+    (0.6612093864662645, 0.3607615730481386), (0.9324695142031521, 0.1713244923791704),
+)  # fmt: skip
+_SHORT = 0.5
 
 
 class ArrudaBoyceLangevin(Law):
@@ -66,8 +73,11 @@ def chain_term(sheet: Sheet, lambda_m: Value) -> InvariantTerm:
     ratio = b / r
 
     def energy() -> Value:
-        rest = inverse_langevin(1.0 / lambda_m)
-        return N * (b * r - rest / lambda_m + _log_ratio(b) - _log_ratio(rest))
+        # N times the integral of b over r, as b (r - r0) less that of L - r0 over b: a difference of energies would be
+        # rounded as N is, and where the sheet wrinkles strains of a thousandth are told apart by it.
+        r0 = 1.0 / lambda_m
+        rest = inverse_langevin(r0)
+        return N * (b * sheet.x / (3.0 * N * (r + r0)) - _beyond_rest(b, rest, r0))
 
     return of_I1(W=energy, W1=ratio / 6.0, W11=(1.0 / langevin(b)[1] - ratio) / (12.0 * I1))
 
@@ -108,6 +118,15 @@ def inverse_langevin(r: Value) -> Array:
         value, slope = langevin(b)
         b = b - (value - r) / slope
     return np.asarray(b)
+
+
+def _beyond_rest(b: Array, rest: Array, r0: Value) -> Array:
+    """Return the integral of L - r0 from ``rest``, where L is r0, to ``b``; over a short way by Gauss's rule."""
+    way = b - rest
+    short = np.abs(way) < _SHORT
+    half = 0.5 * np.where(short, way, 0.0)
+    near = half * sum(share * (langevin(rest + (1.0 + place) * half)[0] - r0) for place, share in _GAUSS)
+    return np.where(short, near, _log_ratio(rest) - _log_ratio(b) - r0 * way)
 
 
 def _log_ratio(b: Value) -> Value:
