@@ -183,7 +183,7 @@ def find_bends(
                     continue
                 p, q = x[i, j], x[k, l]
                 len2 = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
-                if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or len2 == 0.0:
+                if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or not 0.0 < len2 < np.inf:
                     continue
                 t, c = 0.5, np.int64(-1)  # a literal would make what takes it compile twice
                 far = False

@@ -103,7 +103,8 @@ class RelaxedSheet:
         if len(wrinkled):
             # At first across the larger stress: there the law presses.
             along = 0.5 * np.arctan2(2.0 * S[wrinkled, 2], S[wrinkled, 0] - S[wrinkled, 1])
-            self._wrinkle(found, wrinkled, C[wrinkled], along + 0.5 * np.pi)
+            with np.errstate(all="ignore"):  # beyond a law's limit, and where it falls without end
+                self._wrinkle(found, wrinkled, C[wrinkled], along + 0.5 * np.pi)
         return found
 
     def _wrinkle(self, found: _Found, rows: Ints, C: Array, angle: Array) -> None:
@@ -121,13 +122,15 @@ class RelaxedSheet:
             best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(len(lost))
             a[lost], angle[lost] = taken[best], turned[best]
             _put(own, lost, tried, best)
+        # Less energy than at rest: given width the law falls without end, and there is no least to be found.
+        falls = own.energy < -_ROUNDING * np.abs(own.stiffness[:, 0, 0])
+        own.energy[falls], own.stress[falls], own.stiffness[falls] = np.nan, np.nan, np.nan
         u, w, _ = _axes(angle)
         gradient_angle = 0.5 * np.einsum("nj,nj->n", w, own.stress)
         Du, Dw = np.einsum("njk,nk->nj", own.stiffness, u), np.einsum("njk,nk->nj", own.stiffness, w)
         B = np.stack([0.5 * Du, 0.5 * a[:, None] * Dw], axis=1)
         H = _hessian(own, a, u, w, gradient_angle, angle)
-        with np.errstate(all="ignore"):
-            back = np.linalg.solve(_regular(H), B)
+        back = np.linalg.solve(_regular(H), B)
         found.energy[rows], found.stress[rows] = own.energy, own.stress
         found.stiffness[rows] = own.stiffness - np.einsum("nij,nik->njk", B, back)
         found.natural[rows] = C + a[:, None] * _dyad(angle)
@@ -174,14 +177,13 @@ class RelaxedSheet:
                 energy = own.energy[rows]
                 a_try = np.maximum(a[rows] + length[pending] * step[pending, 0], 0.25 * a[rows])
                 angle_try = angle[rows] + length[pending] * step[pending, 1]
-                with np.errstate(all="ignore"):
-                    tried = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try))
-                    # Near the minimum the energy is flat to rounding: there less stress on n is what counts.
-                    n, nm, _ = _axes(angle_try)
-                    pressed = np.abs(np.einsum("nj,nj->n", n, tried.stress))
-                    pressed += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
-                    flat_there = np.abs(tried.energy - energy) <= 1e-9 * np.abs(energy) + noise[keep][pending]
-                    fine = (tried.energy < energy) | (flat_there & (pressed < remaining[pending]))
+                tried = self.law.answer(C[rows] + a_try[:, None] * _dyad(angle_try))
+                # Near the minimum the energy is flat to rounding: there less stress on n is what counts.
+                n, nm, _ = _axes(angle_try)
+                pressed = np.abs(np.einsum("nj,nj->n", n, tried.stress))
+                pressed += 0.5 * np.abs(np.einsum("nj,nj->n", nm, tried.stress))
+                flat_there = np.abs(tried.energy - energy) <= 1e-9 * np.abs(energy) + noise[keep][pending]
+                fine = (tried.energy < energy) | (flat_there & (pressed < remaining[pending]))
                 taken = rows[fine]
                 a[taken], angle[taken] = a_try[fine], angle_try[fine]
                 _put(own, taken, tried, fine)

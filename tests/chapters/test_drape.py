@@ -598,6 +598,18 @@ def test_an_unstable_law_is_told_of_a_membrane(drape, folder):
     assert "unstable" in err
 
 
+def test_a_law_that_has_no_answer_for_it_is_unstable_is_told_so(drape, folder):
+    """Not that its chains lock, nor by a defect: nothing holds the sheet's width where this weft wrinkles."""
+    ways = {"warp": (0.6826, 0.6337), "weft": (0.63457, -0.61555)}
+    each = {name: {"parameters": {"C10_MPa": one, "C01_MPa": two}} for name, (one, two) in ways.items()}
+    falling = {**FABRIC, "model": "mooney-rivlin-2", **each["warp"], "directions": each}
+    (folder / "falling.json").write_text(json.dumps(falling))
+    status, _, err = drape("--sheet", "membrane", fabric="falling.json")
+    assert status == 4, err
+    assert "unstable" in err
+    assert "--stable" in err
+
+
 def test_a_mold_that_has_passed_between_the_nodes_is_no_result(drape, folder):
     """A wall thinner than the spacing slips through: the net beside it bears nothing, which is no equilibrium on it."""
     wall = height_block(lambda u, v: 0.0 * u, (50.0, 1.0), (10, 1), -60.0)

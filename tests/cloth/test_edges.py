@@ -148,6 +148,16 @@ def test_a_smooth_mold_bends_no_spring():
     assert len(mold.creases.corners) == 0
 
 
+def test_places_that_are_no_numbers_bend_no_spring():
+    # Where a law has no answer a step leads there; the mold was asked outside of memory.
+    for mold in (mold_of(ball(5, 40.0), (0.0, 0.0, 60.0)), mold_of(punch(32), (0.0, 0.0, 20.0))):
+        energy = Energy(Sheet(7, 7, (200.0, 200.0), 1.0, SOFT, SOFT), mold)
+        for place in (np.nan, -np.inf):
+            x = np.full((7, 7, 3), place)
+            energy.forces(x, np.zeros((7, 7)), np.zeros_like(x))
+            assert len(energy.springs) == 0
+
+
 def test_cells_folded_over_a_rim_are_as_thin_as_their_springs_say():
     mold = mold_of(punch(128), (0.0, 0.0, 40.0))
     sheet = Sheet(41, 41, (200.0, 200.0), 1.0, SOFT, SOFT)

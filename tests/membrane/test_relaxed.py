@@ -55,6 +55,17 @@ def test_wrinkles_take_the_least_energy_of_all():
         assert found.energy[number] == pytest.approx(least, rel=5e-3, abs=1e-5)
 
 
+def test_a_law_that_falls_without_end_has_no_answer_where_it_does():
+    """Two laws that are stable in uniaxial tension alone: pulled, their mixture would widen for ever."""
+    weft = bind("mooney-rivlin-2", {"C10_MPa": 0.6345708, "C01_MPa": -0.6155526})
+    sheet = orthotropic_sheet(bind("mooney-rivlin-2", {"C10_MPa": 0.68, "C01_MPa": 0.63}), weft)
+    far = np.array([[1672.6, 1704.0, 1586.6], [101.4, 164.4, 128.7]])
+    found = sheet(np.vstack([far, [[1.02, 0.99, 0.0]]]))
+    assert np.isnan(found.energy[:2]).all()
+    assert np.isnan(found.stress[:2]).all()
+    assert 0.0 < found.energy[2] < 1e-3
+
+
 class Asked:
     """A law that counts the strains it is asked at."""
 

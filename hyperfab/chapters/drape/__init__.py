@@ -18,8 +18,11 @@ from hyperfab.chapters.uncertainty.sources import Origins, origins
 from hyperfab.cloth import BeyondLaw, HeldNodeInside, Step
 from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.cloth.net import FIXED
-from hyperfab.errors import InputError
+from hyperfab.errors import HyperfabError, InputError, NotConverged
 from hyperfab.report.bands import banded
+
+#: How far a law without an answer is looked through for where it is unstable.
+_LOOKED = 3.0
 
 
 def run(job: Job, case: DrapeCase) -> int:
@@ -84,11 +87,30 @@ def _drape(job: Job, model: Model) -> list[State]:
         except HeldNodeInside as error:
             raise _held_inside(error, model) from None
         except BeyondLaw:
-            raise InputError(
-                "the law has no answer to the strains that the mold asks for: it ends there (its chains lock)",
-                file=model.files.fabric.ways[0].source,
-                remedy="less --depth, a larger --size, or a law that goes further",
-            ) from None
+            raise _beyond(model) from None
+
+
+def _beyond(model: Model) -> HyperfabError:
+    """What ends a membrane's law that has no answer: constants that are unstable before, or chains that lock."""
+    law, file = model.sheet.membrane, model.files.fabric.ways[0].source
+    assert law is not None
+    way = np.linspace(1.0, _LOOKED, 401)[1:]
+    held, none = np.ones_like(way), np.zeros_like(way)
+    for one, other in ((way, held), (held, way), (way, way)):
+        with np.errstate(all="ignore"):
+            margin = law.margin(np.column_stack([one**2, other**2, none]))
+        first = int(np.argmin(margin >= 0.0))
+        if margin[first] < 0.0:
+            return NotConverged(
+                f"{file}: the constants are unstable: from a stretch of {way[first]:.3f} on more strain takes less "
+                "stress, and the law has no answer to the strains that the mold asks for; fit the fabric again with "
+                "--stable"
+            )
+    return InputError(
+        "the law has no answer to the strains that the mold asks for: it ends there (its chains lock)",
+        file=file,
+        remedy="less --depth, a larger --size, or a law that goes further",
+    )
 
 
 def _held_inside(error: HeldNodeInside, model: Model) -> InputError:
