@@ -111,7 +111,7 @@ class RelaxedSheet:
         """Give up what the sheet cannot press at ``rows``; ``angle`` is a first guess of n."""
         own = Answer(found.energy[rows], found.stress[rows], found.stiffness[rows])
         a, angle, closed = self._minimum(C, angle, own)
-        lost = np.flatnonzero(~closed)
+        lost = np.flatnonzero(~closed & ~_falls(own))
         if len(lost):
             # Seldom: look all round, and go on from the least energy.
             many = np.repeat(C[lost], _DIRECTIONS, axis=0)
@@ -122,8 +122,7 @@ class RelaxedSheet:
             best = np.argmin(np.where(np.isfinite(energy), energy, np.inf), axis=1) + _DIRECTIONS * np.arange(len(lost))
             a[lost], angle[lost] = taken[best], turned[best]
             _put(own, lost, tried, best)
-        # Less energy than at rest: given width the law falls without end, and there is no least to be found.
-        falls = own.energy < -_ROUNDING * np.abs(own.stiffness[:, 0, 0])
+        falls = _falls(own)
         own.energy[falls], own.stress[falls], own.stiffness[falls] = np.nan, np.nan, np.nan
         u, w, _ = _axes(angle)
         gradient_angle = 0.5 * np.einsum("nj,nj->n", w, own.stress)
@@ -153,7 +152,8 @@ class RelaxedSheet:
             noise = _ROUNDING * np.abs(stiffness[:, 0, 0])
             done = (np.abs(on_n) + np.abs(across) <= np.maximum(_CLOSED * size, noise)) & (a[left] > 0.0)
             closed[left[done]] = True
-            keep = ~done
+            # Width costs energy at once in a direction that is pulled.
+            keep = ~done & (own.energy[left] >= -noise) & ((a[left] > 0.0) | (on_n < 0.0))
             if not keep.any():
                 break
             left, u, w, on_n, across = left[keep], u[keep], w[keep], on_n[keep], across[keep]
@@ -217,6 +217,11 @@ def _nominal(S: Array, C: Array) -> Array:
         np.hypot(0.5 * (square[:, 0, 0] - square[:, 1, 1]), square[:, 0, 1]),
     )
     return np.sqrt(np.maximum(mean + radius, 0.0))
+
+
+def _falls(own: Answer) -> Flags:
+    """Say where there is less energy than at rest: given width the law falls without end, and has no least."""
+    return np.asarray(own.energy < -_ROUNDING * np.abs(own.stiffness[:, 0, 0]))
 
 
 def _axes(angle: Array) -> tuple[Array, Array, Array]:
