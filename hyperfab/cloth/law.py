@@ -154,6 +154,8 @@ LARGEST = 5.0
 _PARTS = 20
 #: A law that locks is cut where its slope passes this many times the slope at rest.
 LOCKED = 1e3
+#: Where tension begins: threads bear nothing at rest itself, and a sheet may have no stiffness there but theirs.
+_PULLED = 1.0 + 1e-12
 
 
 class Pulled(Protocol):
@@ -176,7 +178,7 @@ def spring_law(material: Pulled) -> SpringLaw:
     >>> round(float(law(2.0)[1][0]), 10), law.largest_stretch, law.softens
     (0.7, 5.0, None)
     """
-    stretch = np.linspace(1.0, LARGEST, 4001)
+    stretch = np.maximum(np.linspace(1.0, LARGEST, 4001), _PULLED)
     count, falls, rest = 0, False, 0.0
     for part in np.array_split(stretch, _PARTS):  # a law that locks early is not asked of what lies far beyond
         found = material.uniaxial(part)
@@ -192,7 +194,7 @@ def spring_law(material: Pulled) -> SpringLaw:
         raise ValueError("the law has no stiffness in tension at rest")
 
     def law(at: Array) -> tuple[Array, Array]:
-        answer = material.uniaxial(at)
+        answer = material.uniaxial(np.maximum(at, _PULLED))
         return answer.P, answer.A
 
     end = float(stretch[count - 1])

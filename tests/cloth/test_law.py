@@ -8,6 +8,8 @@ import pytest
 from hyperfab.cloth import piecewise_linear, tabulate
 from hyperfab.cloth.law import spring_law
 from hyperfab.materials import bind
+from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic.specimen import Along
 
 
 def test_a_table_follows_its_law_to_1e_9_of_the_largest_stress():
@@ -89,3 +91,13 @@ def test_a_law_that_locks_is_not_asked_of_what_lies_far_beyond():
     with np.errstate(all="ignore"):
         assert spring_law(Locks()).largest_stretch < 1.6
     assert max(asked) < 2.0
+
+
+def test_a_sheet_whose_threads_alone_resist_has_stiffness_from_where_tension_begins():
+    """A fit of J-shaped strips leaves the ground none at rest: its drape was refused for want of stiffness."""
+    sheet = {"C10_MPa": 4e-19, "C30_MPa": 0.002, "k1_warp_MPa": 0.6, "k2_warp": 2.3, "k1_weft_MPa": 0.1, "G_MPa": 0.1}
+    pulled = Along(Orthotropic.of(sheet), 0.0)
+    law = spring_law(pulled)
+    stretch = np.array([1.0005, 1.1, 1.3])
+    np.testing.assert_allclose(law(stretch)[1], pulled.uniaxial(stretch).P, rtol=1e-6)
+    assert law(1.0 + 1e-9)[2][0] == pytest.approx(4.0 * 0.6, rel=1e-3)
