@@ -9,10 +9,10 @@ import numpy as np
 
 from .dynamic import swing
 from .halves import mirrors
-from .mold import Mold
+from .mold import Mold, raised
 from .net import Sheet, X, Y
 from .newton import equilibrium
-from .start import lowered, refined
+from .start import lowered, refined, settled
 from .state import Equilibrium, State, Step
 
 #: The first grid has at most this many nodes a side; a few hundred unknowns find the contact at no cost.
@@ -24,6 +24,8 @@ COARSE_TOLERANCE = 1e-4
 NEARLY, SWINGS, ROUNDS = 1.0, 200, 3
 #: A membrane whose first step on a finer grid is cut below this share swings for so many time steps first.
 CUT, EASING = 0.5, 15
+#: A membrane that its net does not lead to is pushed up in so many steps, halved down to one part in so many.
+PUSHES, LEAST_PUSH = 8, 100
 
 
 class BeyondLaw(Exception):
@@ -63,9 +65,40 @@ def _begun(sheet: Sheet, mold: Mold) -> State:
         return start
     net = replace(sheet, membrane=None)  # sought as its membrane is, not among even shapes
     start = equilibrium(net, mold, start, COARSE_TOLERANCE, even_shapes=False, leaps=True).state
+    if not np.isfinite(equilibrium(sheet, mold, start, COARSE_TOLERANCE, largest=0).energy):
+        start = _pushed_up(sheet, mold)
     if all(bits & (X | Y) == X | Y for bits in sheet.edges):
         return start
     return equilibrium(sheet, mold, start, COARSE_TOLERANCE, longest=0.5).state
+
+
+def _pushed_up(sheet: Sheet, mold: Mold) -> State:
+    """Where a membrane rests that the mold is pushed into bit by bit: its law ends before the strains of its net do.
+
+    Raises BeyondLaw where the law has no answer to a further push, however small.
+    """
+    depth = float(mold.bounds[0, 5])
+    reached, push, state = 0.0, depth / PUSHES, None
+    while reached < depth:
+        push = min(push, depth - reached)
+        up = raised(mold, reached + push - depth)
+        if state is None:
+            net = replace(sheet, membrane=None)
+            start = equilibrium(net, up, lowered(sheet, up), COARSE_TOLERANCE, even_shapes=False, leaps=True).state
+        else:
+            x = state.x.copy()
+            x[:, :, 2] *= (reached + push) / reached
+            start = settled(x, up, sheet)
+        found = equilibrium(sheet, up, start, COARSE_TOLERANCE)
+        if np.isfinite(found.energy):
+            reached, state = reached + push, found.state
+        elif push < depth / LEAST_PUSH:
+            raise BeyondLaw
+        else:
+            push *= 0.5
+    if state is None:  # the mold only just touches the sheet
+        raise BeyondLaw
+    return state
 
 
 def _eased(sheet: Sheet, mold: Mold, start: State, report: Callable[[Step], None] | None) -> tuple[State, list[Step]]:

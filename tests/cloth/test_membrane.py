@@ -10,7 +10,7 @@ import trimesh
 from cloth_checks import derivatives_hold
 from cloth_molds import ball, block, punch, saddle, under
 
-from hyperfab.cloth import Answers, Equilibrium, Mold, Sheet, answers, drape, mold_of, raised
+from hyperfab.cloth import Answers, BeyondLaw, Equilibrium, Mold, Sheet, answers, drape, mold_of, raised
 from hyperfab.cloth.dynamic import swing
 from hyperfab.cloth.law import spring_law
 from hyperfab.cloth.linear import Tangent, apply
@@ -267,3 +267,24 @@ def test_a_flat_sheet_that_rubs_begins_on_an_edge() -> None:
     mold = mold_of(Surface(points.astype(float), solid.faces))
     *_, rest = follow(membrane(61, 61, LAWS["orthotropic"], (220.0, 220.0)), mold, np.array([5.0]), 0.3)
     assert (rest.height, rest.found.converged) == (5.0, True)
+
+
+def test_a_law_that_ends_before_the_strains_of_its_net_is_pushed_up_to_where_it_rests():
+    """It was refused as one whose chains lock, with an equilibrium well before that."""
+    energies = []
+    for limit in (0.4, 0.42, 0.44, 0.46, 0.48, 0.5):  # the stiffer ones are not led to by their nets
+        gent = bind("gent", {"mu_MPa": 0.4, "Im": limit})
+        springs = spring_law(gent)
+        sheet = Sheet(21, 21, (200.0, 200.0), 1.0, springs, springs, membrane=IsotropicSheet(gent))
+        found = drape(sheet, mold_of(ball(4, 40.0), (0.0, 0.0, 20.0)))
+        assert found.converged, found.status
+        energies.append(found.energy)
+    # One smooth curve: both kinds rest in the same shape.
+    assert np.abs(np.diff(energies, 4)).max() < 0.01 * np.ptp(energies)
+
+
+def test_a_law_that_ends_before_the_mold_does_has_no_rest():
+    gent = bind("gent", {"mu_MPa": 0.4, "Im": 0.02})
+    sheet = Sheet(21, 21, (200.0, 200.0), 1.0, spring_law(gent), spring_law(gent), membrane=IsotropicSheet(gent))
+    with pytest.raises(BeyondLaw):
+        drape(sheet, mold_of(ball(4, 40.0), (0.0, 0.0, 20.0)))
