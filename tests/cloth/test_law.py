@@ -93,11 +93,14 @@ def test_a_law_that_locks_is_not_asked_of_what_lies_far_beyond():
     assert max(asked) < 2.0
 
 
-def test_a_sheet_whose_threads_alone_resist_has_stiffness_from_where_tension_begins():
-    """A fit of J-shaped strips leaves the ground none at rest: its drape was refused for want of stiffness."""
-    sheet = {"C10_MPa": 4e-19, "C30_MPa": 0.002, "k1_warp_MPa": 0.6, "k2_warp": 2.3, "k1_weft_MPa": 0.1, "G_MPa": 0.1}
+@pytest.mark.parametrize("ground", [4e-19, 1.8e-3])
+def test_threads_are_part_of_the_stiffness_from_where_tension_begins(ground):
+    """Fits of J-shaped strips leave the ground little or none at rest: the sheet was refused for want of stiffness,
+    or its warp was taken to lock where it was a thousand times as stiff as the ground, at 1.05."""
+    sheet = {"C10_MPa": ground, "C30_MPa": 0.002, "k1_warp_MPa": 0.6, "k2_warp": 2.3, "k1_weft_MPa": 0.1, "G_MPa": 0.1}
     pulled = Along(Orthotropic.of(sheet), 0.0)
     law = spring_law(pulled)
-    stretch = np.array([1.0005, 1.1, 1.3])
+    assert law.largest_stretch > 1.5
+    stretch = np.array([1.0005, 1.1, 1.5])
     np.testing.assert_allclose(law(stretch)[1], pulled.uniaxial(stretch).P, rtol=1e-6)
-    assert law(1.0 + 1e-9)[2][0] == pytest.approx(4.0 * 0.6, rel=1e-3)
+    assert law(1.0 + 1e-9)[2][0] == pytest.approx(4.0 * 0.6, rel=6e-3)
