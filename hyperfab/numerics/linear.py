@@ -7,7 +7,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -36,12 +35,10 @@ class SuperLUFactor:
 
     def __init__(self, matrix: sparse.csc_matrix) -> None:
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                self._factor = splu(
-                    matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-                )
-        except (RuntimeError, Warning) as error:
+            self._factor = splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except RuntimeError as error:
             raise SingularMatrixError(str(error)) from error
 
     def solve(self, right: Array) -> Array:
