@@ -172,6 +172,13 @@ def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told
         assert float(said[1]) == pytest.approx(zero, abs=0.05)
 
 
+def _off(line: str, said: str) -> float:
+    """Return by how much a line says that a load cell is off [N], in the words ``said``."""
+    found = re.search(said, line)
+    assert found is not None
+    return float(found[1]) * (1.0 if found[2] == "high" else -1.0)
+
+
 @pytest.mark.parametrize(
     ("offset_N", "stretch", "wave_N", "told"),
     [(0.3, 0.0, 0.0, True), (-0.3, 0.0, 0.0, True), (0.0, 0.03, 0.0, False), (0.3, 0.0, 0.3, False)],
@@ -182,10 +189,9 @@ def test_a_load_cell_off_its_zero_is_told(offset_N: float, stretch: float, wave_
     taut = problem.predict(np.array([1.0, 1.0, 0.0]), {"pretension": ("even", np.array([stretch]))})
     lines = untared(problem, _found(problem, taut + offset_N, 0.02, wave_N))
     assert bool(lines) is told
-    for line in lines:
-        said = re.search(r"load cell ([\d.]+) N too (high|low)", line)
-        assert said is not None
-        assert float(said[1]) * (1.0 if said[2] == "high" else -1.0) == pytest.approx(offset_N, abs=0.03)
+    assert [_off(line, r"load cell ([\d.]+) N too (high|low)") for line in lines] == pytest.approx(
+        [offset_N] * len(lines), abs=0.03
+    )
 
 
 @pytest.mark.parametrize(
@@ -200,10 +206,9 @@ def test_a_load_cell_that_drifts_is_told(drift_N: float, compliance: float, wave
     drifted = yields[:rows] + np.linspace(0.0, drift_N, rows)
     lines = untared(problem, _found(problem, drifted, 0.02, wave_N))
     assert bool(lines) is told
-    for line in lines:
-        said = re.search(r"drift, ([\d.]+) N too (high|low) at the last reading", line)
-        assert said is not None
-        assert float(said[1]) * (1.0 if said[2] == "high" else -1.0) == pytest.approx(drift_N, abs=0.05)
+    assert [_off(line, r"drift, ([\d.]+) N too (high|low) at the last reading") for line in lines] == pytest.approx(
+        [drift_N] * len(lines), abs=0.05
+    )
 
 
 @pytest.mark.parametrize(
