@@ -29,7 +29,7 @@ from hyperfab.materials.identification.scatter import Weighed
 from hyperfab.materials.orthotropic.determined import Unknown, sought_by
 from hyperfab.materials.orthotropic.energy import LINEAR, NAMES, Orthotropic
 from hyperfab.materials.orthotropic.grips import at_readings
-from hyperfab.materials.orthotropic.rows import Gathered, LinearRows, Rows, linear_rows, strained
+from hyperfab.materials.orthotropic.rows import SLIGHT, Gathered, LinearRows, Rows, linear_rows, strained
 from hyperfab.materials.orthotropic.specimen import Frame, held, solved, strip
 
 _GRID = {"nu": (0.02, 0.2, 0.35, 0.5), "bias_deg": (20.0, 35.0, 45.0, 55.0, 70.0)}
@@ -128,8 +128,13 @@ class _Free:
     @cached_property
     def reach(self) -> dict[str, float]:
         """The largest strain I - 1 of the threads that each upturn is of; inclined ones may lie nearly along either."""
-        warp, weft = strained(self.tests, 0.0), strained(self.tests, 90.0)
+        warp, weft = self.reach_along(0.0), self.reach_along(90.0)
         return {"k2_warp": warp, "k2_weft": weft, "k2_bias": max(min(warp, weft), 0.05 * max(warp, weft))}
+
+    def reach_along(self, angle: float) -> float:
+        """Return the largest strain I - 1 of threads at an angle [deg]; of those that nothing pulls, what is slight."""
+        most = max(strained(self.tests, way) for way in (0.0, 45.0, 90.0))
+        return max(strained(self.tests, angle), SLIGHT * most)
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -218,7 +223,7 @@ class _Free:
         p = self.base.parameters
         grid = _GRID | {name: tuple(value / reach**2 for value in _UPTURN) for name, reach in self.reach.items()}
         options = {name: values if name in self.names else (p[name],) for name, values in grid.items()}
-        inclined = {angle: self.reach["k2_bias"] / strained(self.tests, angle) for angle in options["bias_deg"]}
+        inclined = {angle: self.reach["k2_bias"] / self.reach_along(angle) for angle in options["bias_deg"]}
         linear = [name for name in self.names if name in LINEAR]
         ranked: list[tuple[float, Array]] = []
         for nu in options["nu"]:
