@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise_estimate import ASSUMED, USUAL, third_differences, winsorised
@@ -107,6 +106,8 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     size = float(np.max(np.ptp(places, axis=0), initial=0.0)) or 1.0
     level = np.abs(values) if level is None else level
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
+    from scipy.spatial import cKDTree  # 0.08 s to load: tests of a fabric are curves, not scattered
+
     tree = cKDTree(places)
     pairs = tree.query_pairs(_SAME * size, output_type="ndarray")
     if len(pairs) >= 6:

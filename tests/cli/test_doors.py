@@ -65,14 +65,26 @@ def test_help_page_of_a_command_loads_neither_numpy_nor_rich(command: str) -> No
     assert done.stderr.decode().strip() == "[]"
 
 
-def test_a_fit_loads_neither_the_optimizers_nor_the_statistics_of_scipy(tmp_path: Path) -> None:
+LYCRA = [str(ROOT / f"specimens/lycra/{way}-23C.csv") for way in ("warp", "weft")]
+
+
+@pytest.mark.parametrize(
+    ("words", "spared"),
+    [
+        (["fit", *LYCRA, "--model", "yeoh-3"], {"scipy.optimize", "scipy.stats", "numba", "pandas"}),
+        (["close-loop", "fabric.json", *LYCRA], {"scipy.optimize", "scipy.spatial", "scipy.stats", "pandas"}),
+    ],
+)
+def test_what_takes_long_to_load_is_spared_where_nothing_needs_it(
+    hf: Run, tmp_path: Path, words: list[str], spared: set[str]
+) -> None:
+    fabric, found = (str(tmp_path / name) for name in ("fabric.json", "found.json"))
+    assert hf("fit", LYCRA[0], "--model", "yeoh-3", "-o", fabric).returncode == 0
+    words = [fabric if word == "fabric.json" else word for word in words]
     code = (
-        "import sys\n"
-        f"sys.argv = ['hf', 'fit', '--uniaxial', {str(ROOT / 'specimens/lycra/warp-23C.csv')!r}, '--model', 'yeoh-3',\n"
-        f"            '-o', {str(tmp_path / 'a.json')!r}]\n"
-        "from hyperfab import cli\n"
+        f"import sys\nsys.argv = ['hf', *{words!r}, '-o', {found!r}]\nfrom hyperfab import cli\n"
         "try:\n    cli.main()\nexcept SystemExit as end:\n    assert end.code == 0\n"
-        "print(sorted({'scipy.optimize', 'scipy.stats', 'numba', 'pandas'} & set(sys.modules)))\n"
+        f"print(sorted({spared!r} & set(sys.modules)))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True)
     assert done.stdout.decode().strip() == "[]"

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from scipy.optimize import nnls
 
 from hyperfab.arrays import Ints
 from hyperfab.materials.effects.path import UNIAXIAL, Path, second_stretch
@@ -152,6 +151,8 @@ def nearest_ground(law: Law, constants: Mapping[str, float], reach: float) -> di
     stress = sum(own * term.stress(met) for own, term in zip(c, law.terms(met, theta), strict=True))
     if not np.all(np.isfinite(stress)):
         return dict.fromkeys(names, np.nan)
+    from scipy.optimize import nnls  # 0.06 s to load: only laws with threads need it
+
     return dict(zip(names, map(float, nnls(columns, stress)[0]), strict=True))
 
 
