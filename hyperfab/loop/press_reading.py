@@ -12,6 +12,7 @@ from scipy.special import ndtr, ndtri
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
+from hyperfab.loop.thresholds import FEWEST
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.sandwich import Sandwich
 
@@ -58,7 +59,7 @@ class Reading:
     ``fabric`` that of the fabrics alone under a ``load`` (m,) [MPa], ``mounting`` how much further (less their mean)
     the female's mounting face stands from the male at ``places`` (m, 3) of the press frame. The molds are at
     ``temperature`` [degC], with what that makes of the press in ``warmth``; None: as the model has them. ``sd`` (m,) is
-    what the file states of its values.
+    what the file states of its values, ``below`` (m,) [MPa] what may press where a film reads nothing, 0 elsewhere.
     """
 
     name: str
@@ -74,11 +75,22 @@ class Reading:
     temperature: float | None = None
     warmth: Warmth | None = None
     sd: Array | None = None
+    below: Array | None = None
 
     @property
     def along(self) -> Array | None:
         """What the readings (m,) were taken along: the stroke, or the load; None of those at places."""
         return self.load if self.stroke is None else self.stroke
+
+    @property
+    def least(self) -> float:
+        """The pressure [MPa] at which a film begins to show: the least that was read where other places read nothing
+        and so many up to twice as much that none below it would be chance; 0 where nothing says so."""
+        shown = self.values[self.values > 0.0]
+        if self.kind != "pressure" or len(shown) == 0 or np.min(self.values) != 0.0:
+            return 0.0
+        least = float(np.min(shown))
+        return least if np.count_nonzero(shown <= 2.0 * least) > FEWEST else 0.0
 
     def guess(self, predicted: Array) -> Guess:
         """Return how loud the readings seem, by what neighbours differ by, or by that less a prediction (m,)."""

@@ -179,7 +179,10 @@ class SetPress:
             share = np.clip(had + stays[0] + stays[1] * strain, 0.0, 1.0)
             return np.asarray(sandwich.thickness - share * strain * sandwich.foam)
         shown = reading.shown(table.sandwich, self._touch if reading.kind == "contact" else self._gap)
-        return np.asarray(self.hangs.factor * left * shown) if reading.kind == "pressure" else shown
+        if reading.kind != "pressure":
+            return shown
+        pressure = np.asarray(self.hangs.factor * left * shown)
+        return pressure if reading.below is None else np.maximum(pressure - reading.below, 0.0)
 
 
 def _solved(value: Callable[[Array], Array], guess: float) -> float:

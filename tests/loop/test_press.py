@@ -15,6 +15,7 @@ from scipy.special import ndtr
 from hyperfab.chapters.close_loop import finalise
 from hyperfab.chapters.close_loop.finalise import close_rounds
 from hyperfab.chapters.close_loop.press import pose
+from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.loop.catalogue.press import thickness_variation
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press import PressProblem
@@ -316,6 +317,42 @@ NEW = [
     ("hot", "foam-softening"),
     ("opened", "set"),
 ]
+
+
+def test_a_film_shows_nothing_below_the_least_it_can() -> None:
+    """Of pressures that fall off to nothing a film with a floor lacks those below it; one that has none reads them."""
+    read = np.linspace(-0.5, 1.0, 91)
+    assert Reading("film", "pressure", np.where(read < read[43], 0.0, read)).least == read[43]
+    assert Reading("fine", "pressure", np.maximum(read, 0.0)).least == 0.0
+    assert Reading("all", "pressure", 0.2 + np.abs(read)).least == 0.0
+    assert Reading("paste", "contact", (read > 0.2).astype(float)).least == 0.0
+
+
+def off_axis() -> tuple[Reading, Reading]:
+    """A press whose molds stand off each other's axis, as a film reads it, and as one does that has a floor."""
+    random = np.random.default_rng([2, sum(map(ord, "lateral-shift"))])
+    truth = caps.draw(random, ("lateral-shift",), 1.0)
+    whole = blind_press.as_readings(caps.measure(truth, np.random.default_rng([2, 0, 1]), 1.0, "film"))[0]
+    floor = 0.2 * float(np.max(whole.values))
+    return whole, replace(whole, values=np.where(whole.values < floor, 0.0, whole.values))
+
+
+def test_where_a_film_reads_nothing_its_floor_may_press() -> None:
+    whole, film = (pose(blind_press.told(), [one], 0.1, [])[0] for one in off_axis())
+    least = off_axis()[1].least
+    assert least > 0.0
+    shown = np.where(film.measured == 0.0, np.maximum(whole.delivered - least, 0.0), whole.delivered)
+    assert film.delivered == pytest.approx(shown, abs=1e-12)
+    assert np.any(shown < whole.delivered)
+
+
+@pytest.mark.slow
+def test_what_a_film_cannot_show_speaks_for_no_effect() -> None:
+    """The zeros below its floor, taken as they stand, say tilt."""
+    film = off_axis()[1]
+    problem = pose(blind_press.told(), [film], 0.1, [])[0]
+    _, found = close_rounds(problem, Files([film]).noise)
+    assert found.after.ids == ("lateral-shift",)
 
 
 @pytest.mark.slow

@@ -97,6 +97,7 @@ def finish(
     check_fixed(given.case.fix, [one.name for one in problem.own], "press" if domain == "press" else "sheet")
     warnings = [*warnings, *told_left_out(gone)]
     job.console.warn(*warnings)
+    job.console.note(*files.preparation)
     traced: Sequence[str] = ()
     with job.console.progress("Closing the loop") as advance:
         tick = ticking(advance, 0.3)
@@ -105,6 +106,7 @@ def finish(
         if other is not None:
             problem, found, extend, upstream = other.problem, other.found, other.extend, other.upstream
         result = describe(problem, found, gone, warnings, domain=domain)
+        result.preparation = files.preparation
         if other is not None:
             other.tell(result)
         if apart:

@@ -50,13 +50,14 @@ _HOLD = 0.02
 
 @dataclass(frozen=True)
 class Files(Generic[F]):
-    """The files of ``--measured``, and those of ``--hold-out``; what ``--noise`` states of which quantity, and how many
-    rows of which kind were not taken."""
+    """The files of ``--measured``, and those of ``--hold-out``; what ``--noise`` states of which quantity, how many
+    rows of which kind were not taken, and how the others are understood."""
 
     measured: list[F]
     apart: list[F] = field(default_factory=list)
     level: tuple[str, float] | None = None
     left_out: Counter[str] = field(default_factory=Counter)
+    preparation: list[str] = field(default_factory=list)
 
     def misses(self, problem: FilesProblem[F]) -> Callable[[Fit], float]:
         """Return what says how far a model misses the readings that were set apart; by nothing where none were."""
