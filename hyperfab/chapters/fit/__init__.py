@@ -262,25 +262,27 @@ def _document(
 ) -> MaterialDocument:
     whole = best.results[None]
     assert isinstance(whole, Identified)
+
+    def figures(name: str | None, part: Identified) -> FitFigures:
+        """With what does not belong, where one more specimen is to be expected, and what the choice of the law adds."""
+        found = describe.fit_figures(part, reach(sets[name]))
+        found.outliers = describe.outlying(outliers(part, rows_of(part, sets, name), setting)) or None
+        if found.uncertainty is not None:
+            if name is not None or len(sets) == 1:
+                found.uncertainty.next_specimen = next_specimens(sets[name]) or None
+            found.uncertainty.law = None if ranking is None else law_spread(ranking, name)
+        return found
+
     directions = {
-        name: describe.direction(
-            found,
-            outliers(found, rows_of(found, sets, name), setting),
-            reach(sets[name]),
-            with_plane,
-            tested(sets[name], setting),
-        )
-        for name, found in best.results.items()
-        if name is not None and isinstance(found, Identified)
+        name: describe.direction(part, figures(name, part), reach(sets[name]), with_plane, tested(sets[name], setting))
+        for name, part in best.parts
+        if name is not None
     }
-    for name, part in directions.items():
-        if part.fit is not None and part.fit.uncertainty is not None:
-            part.fit.uncertainty.next_specimen = next_specimens(sets[name]) or None
-    if ranking is not None:
-        for name, part in directions.items():
-            _of_law(part.fit, law_spread(ranking, name))
     data_reach = reach(sets[None])
-    document = describe.document_of(
+    warnings = [*readings.warnings, *doubts(best, sets, setting)]
+    if ranking is not None and (told := closer(ranking)):
+        warnings.append(told)
+    return describe.document_of(
         readings,
         setting,
         model=best.law.name,
@@ -288,41 +290,16 @@ def _document(
         temperature_degC=whole.temperatures[whole.reference],
         directions=directions or None,
         temperatures=describe.temperatures(whole),
-        fit=describe.with_outliers(describe.fit_figures(whole, data_reach), outliers(whole, sets[None], setting)),
+        fit=figures(None, whole),
         stability=describe.stability(whole, data_reach),
         stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
         accepted=best.accepted,
         replicates=replicates(readings.curves) or None,
-        warnings=[*readings.warnings, *doubts(best, sets, setting)] or None,
-        models=None
-        if ranking is None
-        else [
-            describe.model_row(
-                one.law.name,
-                one.failure or one.results[None],
-                one.carry_over,
-                one.stable,
-                one.accepted,
-                data_reach,
-            )
-            for one in ranking
-        ],
+        warnings=warnings or None,
+        models=None if ranking is None else [describe.model_row(one, data_reach) for one in ranking],
         tested=tested(sets[None], setting),
     )
-    if not directions and document.fit is not None and document.fit.uncertainty is not None:
-        document.fit.uncertainty.next_specimen = next_specimens(sets[None]) or None
-    if ranking is not None:
-        _of_law(document.fit, law_spread(ranking, None))
-        told = closer(ranking)
-        document.warnings = [*(document.warnings or []), *([told] if told else [])] or None
-    return document
-
-
-def _of_law(figures: FitFigures | None, spread: float | None) -> None:
-    """Note what the choice of the law adds."""
-    if figures is not None and figures.uncertainty is not None:
-        figures.uncertainty.law = spread
 
 
 def _tell_data(job: Job, document: MaterialDocument, figures: str) -> None:
@@ -349,16 +326,14 @@ def _tell(job: Job, judged: Sequence[Judged], document: MaterialDocument, settin
     if len(degrees) > 1:
         job.console.note(f"constants at {', '.join(f'{t:g}' for t in degrees)} degC; those shown hold at "
                          f"{document.temperature_degC:g} degC")  # fmt: skip
-    for name, part in judged[0].results.items():
-        if isinstance(part, Identified) and (name is not None or len(judged[0].results) == 1):
-            job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part)}")
+    for name, part in judged[0].parts:
+        job.console.note(f"{name + ': ' if name else ''}{describe.parameters_line(part)}")
 
 
 def _written(one: Judged) -> Figures | None:
     """Return the figures of what is written: of both directions together, where each has constants of its own."""
-    named = [part for name, part in one.results.items() if name is not None]
-    parts = [part.total for part in named or one.results.values() if isinstance(part, Identified)]
-    if not parts or one.failure is not None:
+    parts = [part.total for _, part in one.parts]
+    if one.failure is not None:
         return None
     E2, points = sum(part.E2 for part in parts), sum(part.points for part in parts)
     return Figures(E2, math.sqrt(E2 / max(points, 1)), max(part.nrmse for part in parts), points)

@@ -10,6 +10,7 @@ import numpy as np
 
 from hyperfab.chapters.fit.doubts import Outlier
 from hyperfab.chapters.fit.identify import Identified, Setting
+from hyperfab.chapters.fit.judge import Judged
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.documents.certainty import FitUncertainty, ScatterPart
 from hyperfab.documents.material import (
@@ -35,7 +36,6 @@ Reach = Mapping[str, tuple[float, float]]
 
 def fit_figures(found: Identified, reach: Reach) -> FitFigures:
     """Return the figures of a fit, test by test."""
-    sure = found.certainty
     tests: dict[str, TestFigures | Unpredicted] = {}
     for mode, (figures, points, predicted) in found.tests.items():
         flag = True if predicted else None
@@ -45,15 +45,18 @@ def fit_figures(found: Identified, reach: Reach) -> FitFigures:
         else:
             low, high = reach.get(way(mode), (None, None))
             tests[mode] = TestFigures(**vars(figures), stretch_min=low, stretch_max=high, predicted=flag)
-    correlation = sure.correlation.tolist() if np.isfinite(sure.correlation).all() else None
-    return FitFigures(
-        **vars(found.total),
-        correlation=correlation,
-        parameters_sd=deviations(sure),
-        uncertainty=uncertainty(sure, found.specimens),
-        condition_number=sure.condition_number if math.isfinite(sure.condition_number) else None,
-        tests=tests,
-    )
+    return with_certainty(FitFigures(**vars(found.total), tests=tests), found.certainty, found.specimens)
+
+
+def with_certainty(figures: FitFigures, sure: Certainty, specimens: int) -> FitFigures:
+    """Return the figures with how sure the constants are that so many ``specimens`` told."""
+    figures.parameters_sd = deviations(sure)
+    figures.uncertainty = uncertainty(sure, specimens)
+    if np.isfinite(sure.correlation).all():
+        figures.correlation = sure.correlation.tolist()
+    if math.isfinite(sure.condition_number):
+        figures.condition_number = sure.condition_number
+    return figures
 
 
 def document_of(readings: Readings, setting: Setting, **own: Any) -> MaterialDocument:
@@ -152,9 +155,9 @@ def deviations(sure: Certainty) -> dict[str, float] | None:
     return {name: float(value) for name, value in known if math.isfinite(value)} or None
 
 
-def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:
-    """Return the figures with the readings that do not belong."""
-    figures.outliers = [
+def outlying(far: Sequence[Outlier]) -> list[OutlierReading]:
+    """Return the readings that do not belong."""
+    return [
         OutlierReading(
             source=one.curve.source,
             line=None if one.curve.lines is None else int(one.curve.lines[one.row]),
@@ -165,21 +168,16 @@ def with_outliers(figures: FitFigures, far: Sequence[Outlier]) -> FitFigures:
             leverage=one.leverage,
         )
         for one in far
-    ] or None
-    return figures
+    ]
 
 
 def direction(
-    found: Identified,
-    far: Sequence[Outlier],
-    reach: Reach,
-    with_plane: bool,
-    tested: dict[str, Tested] | None,
+    found: Identified, fit: FitFigures, reach: Reach, with_plane: bool, tested: dict[str, Tested] | None
 ) -> Direction:
     """Return one direction of the fabric."""
     return Direction(
         parameters=found.material.parameters,
-        fit=with_outliers(fit_figures(found, reach), far),
+        fit=fit,
         stability=stability(found, reach),
         stability_plane=plane(found, reach, with_plane),
         stable=found.stable,
@@ -188,22 +186,21 @@ def direction(
     )
 
 
-def model_row(
-    name: str, found: Identified | str, carry_over: float | None, stable: bool, accepted: bool, reach: Reach
-) -> ModelRow:
+def model_row(one: Judged, reach: Reach) -> ModelRow:
     """Return a law's row in the table of all."""
+    found = one.failure or one.results[None]
     if isinstance(found, str):
-        return ModelRow(model=name, status=found, accepted=False)
+        return ModelRow(model=one.law.name, status=found, accepted=False)
     return ModelRow(
-        model=name,
+        model=one.law.name,
         E2=found.total.E2,
         relative_rms=found.total.relative_rms,
         parameters=found.material.parameters,
         fit=fit_figures(found, reach),
         stability=stability(found, reach),
-        carry_over=carry_over if carry_over is not None and math.isfinite(carry_over) else None,
-        stable=stable,
-        accepted=accepted,
+        carry_over=one.carry_over if math.isfinite(one.carry_over) else None,
+        stable=one.stable,
+        accepted=one.accepted,
     )
 
 

@@ -37,9 +37,7 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
             f"{best.law.name} is the same along both axes of these tests, and not accepted; --model orthotropic tells "
             "them apart"
         )
-    for name, part in best.results.items():
-        if isinstance(part, str) or (name is None and len(best.results) > 1):
-            continue
+    for name, part in best.parts:
         where = f" ({name})" if name else ""
         if not part.stable:
             found.append(f"not Drucker-stable over the data{where}{_first_unstable(part)}")

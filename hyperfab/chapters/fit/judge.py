@@ -46,6 +46,12 @@ class Judged:
         return next((found for found in self.results.values() if isinstance(found, str)), None)
 
     @property
+    def parts(self) -> list[tuple[str | None, Identified]]:
+        """What is written: the constants of each direction by its name, those of the whole where there is none."""
+        found = [(name, part) for name, part in self.results.items() if isinstance(part, Identified)]
+        return [(name, part) for name, part in found if name is not None] or found
+
+    @property
     def best_first(self) -> tuple[bool, float, float, int]:
         """Sorting key: accepted and stable laws first, then by what is expected in unseen tests."""
         found = self.results[None]
@@ -56,15 +62,13 @@ class Judged:
 def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
     """Fit ``law`` to every set of curves; with ``ranked``, find how it carries over."""
     results = _results(law, sets, setting)
-    parts = [results[name] for name in sets if name is not None] or [results[None]]
-    good = [part for part in parts if isinstance(part, Identified)]
-    if len(good) < len(parts) or isinstance(results[None], str):
+    names: list[str | None] = [name for name in sets if name is not None] or [None]
+    good = [part for name in names if isinstance(part := results[name], Identified)]
+    if len(good) < len(names) or isinstance(results[None], str):
         return Judged(law, results, math.inf, False, False)
     carry = math.inf
     if ranked:
-        names: list[str | None] = [name for name in sets if name is not None]
-        names = names or [None]
-        carry = max(_carry_over(sets[name], setting, results[name]) for name in names)
+        carry = max(_carry_over(sets[name], setting, part) for name, part in zip(names, good, strict=True))
     return Judged(
         law,
         results,
@@ -96,9 +100,7 @@ def _results(law: Law, sets: Sets, setting: Setting) -> dict[str | None, Identif
     return found
 
 
-def _carry_over(curves: Sequence[TestCurve], setting: Setting, found: Identified | str) -> float:
-    if isinstance(found, str):
-        return math.inf
+def _carry_over(curves: Sequence[TestCurve], setting: Setting, found: Identified) -> float:
     unseen = [figures for figures, _, predicted in found.tests.values() if predicted]
     if unseen:
         return _pooled(unseen)

@@ -55,7 +55,7 @@ def law_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return ``curves_csv`` of a law identified by direction: a test without one stands with each."""
     told = (
         (replace(curve, direction=angle_named(name or curve.direction_name)), (*predict(part, curve), None))
-        for name, part in _parts(best)
+        for name, part in best.parts
         for curve in sets[name]
     )
     return curves_csv(told, setting.fit_on, ("stretch_2_model",))
@@ -64,7 +64,7 @@ def law_csv(best: Judged, sets: Sets, setting: Setting) -> bytes:
 def law_picture(best: Judged, sets: Sets, setting: Setting) -> bytes:
     """Return the PNG of the fit: a panel a direction, readings as marks, constants as lines."""
     panels = []
-    for name, part in _parts(best):
+    for name, part in best.parts:
         lines: dict[bool, list[Line]] = {}
         for mode in dict.fromkeys(curve.mode for curve in sets[name]):
             for number, temperature in enumerate(part.temperatures):
@@ -143,8 +143,3 @@ def grid_of(curves: Sequence[TestCurve], count: int, *through: float) -> Array:
     """Return ``count`` stretches over the range of the curves, which holds those ``through``."""
     reach = np.concatenate([through, *(c.stretch for c in curves)])
     return np.linspace(reach.min(), reach.max(), count)
-
-
-def _parts(best: Judged) -> list[tuple[str | None, Identified]]:
-    named = [(name, part) for name, part in best.results.items() if isinstance(part, Identified)]
-    return [(name, part) for name, part in named if name is not None or len(named) == 1]
