@@ -10,20 +10,17 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import (
     Setting,
     kind_of,
     reference_of,
     specimen_of,
     temperatures_of,
-    tested,
     with_deviation,
 )
 from hyperfab.chapters.fit.readings import Readings
-from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
-from hyperfab.chapters.fit.whole import Answer, WholeFit, with_certainty
+from hyperfab.chapters.fit.whole import Answer, WholeFit
 from hyperfab.curve import TestCurve, largest_stress
 from hyperfab.documents.material import FitFigures, MaterialDocument, StableRange, TestFigures, Undetermined
 from hyperfab.errors import InputError
@@ -53,6 +50,10 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     flat: Plateau | None = None
 
+    @property
+    def name(self) -> str:
+        return self.law.name
+
     def predict(self, curve: TestCurve) -> Answer:
         """Return the stress [MPa] at each row, and the lateral stretch of a uniaxial test."""
         law = self.law_at(curve.temperature)
@@ -61,17 +62,15 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     @cached_property
     def figures(self) -> FitFigures:
-        """The figures over all rows fitted, and of every test."""
         parts = {curve.mode: [c for c in self.curves if c.mode == curve.mode] for curve in self.curves}
         both = {side: _side(parts.get("uniaxial", []), side) for side in _SIDES}
-        figures = self.figures_of(self.curves, parts | both if all(both.values()) else parts)
-        with_certainty(figures, self._certainty(self.reference), self.fitted_at(self.reference))
-        if figures.uncertainty is not None:
-            figures.uncertainty.next_specimen = next_specimens(_by_side(self.setting.used(self.curves))) or None
-        return figures
+        groups = parts | both if all(both.values()) else parts
+        return self.figures_of(self.curves, groups, self.certainty(self.reference), self.setting.used(self.curves))
 
-    def _certainty(self, number: int) -> Certainty:
-        """Return how sure the constants at one of the temperatures are."""
+    def alike(self, curves: Sequence[TestCurve]) -> Sequence[TestCurve]:
+        return _by_side(curves)
+
+    def certainty(self, number: int) -> Certainty:
         told = [with_deviation(curve, self.setting.noise) for curve in self.fitted_at(number)]
         tests = _tests(told, self.temperatures[number])
         names, weighed = optimum(self.laws[number], tests, kept=number != self.reference)
@@ -88,7 +87,6 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     @property
     def stability(self) -> dict[str, StableRange]:
-        """The stretches of each test from rest over which the law is stable."""
         found = {}
         for mode in dict.fromkeys(curve.mode for curve in self.curves):
             if mode in ("biaxial-general", "volumetric", "simple-shear"):
@@ -122,26 +120,6 @@ class FoamFit(WholeFit[Hyperfoam]):
         with np.errstate(all="ignore"):
             good = self.law.stable(Rows.of(mode, stretch).strain(self.law))
         return (float(stretch[-1]), True) if good.all() else (float(stretch[max(int(np.argmin(good)) - 1, 0)]), False)
-
-    def document(self, readings: Readings) -> MaterialDocument:
-        return document_of(
-            readings,
-            self.setting,
-            model=self.law.name,
-            parameters=self.law.parameters,
-            temperature_degC=self.temperatures[self.reference],
-            temperatures=self.constants(
-                lambda law: law.parameters, lambda number: self.at(number, self._certainty(number))
-            ),
-            fit=self.figures,
-            stability=self.stability,
-            stable=self.stable,
-            accepted=self.accepted,
-            replicates=replicates(_by_side(self.curves)) or None,
-            undetermined=self.undetermined or None,
-            tested=tested(self.curves, self.setting),
-            warnings=readings.warnings or None,
-        )
 
     def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return the curves fitted, each with the range of its own kind of test; a shear strain is no stretch."""
@@ -220,7 +198,7 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
         if not sides_told and (nu > 0.5 - _EDGE or nu < (_EDGE if min(law.mu) >= 0.0 else 0.0))
     ]
     fit = FoamFit(tuple(laws), temperatures, reference, curves, setting, unknown, flat)
-    fit.refuse_unstable(law.name, "take fewer terms")
+    fit.refuse_unstable("take fewer terms")
     return fit
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.describe import document_of
 from hyperfab.chapters.fit.identify import (
     Setting,
     deviation,
@@ -21,9 +20,8 @@ from hyperfab.chapters.fit.identify import (
     with_deviation,
 )
 from hyperfab.chapters.fit.readings import Readings
-from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
-from hyperfab.chapters.fit.whole import WholeFit, with_certainty
+from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.look import named
 from hyperfab.curve import TestCurve, angle_named, largest_stress
 from hyperfab.documents.material import (
@@ -60,6 +58,10 @@ class SheetFit(WholeFit[Orthotropic]):
     """The energy of a sheet; a direction is a view of it. ``optima`` are the fits at each temperature."""
 
     optima: tuple[Found, ...] = ()
+
+    @property
+    def name(self) -> str:
+        return NAME
 
     @property
     def directions(self) -> list[str]:
@@ -104,8 +106,7 @@ class SheetFit(WholeFit[Orthotropic]):
             stability=self._stability(name, own),
             tested=tested(own, self.setting),
             temperatures=self.constants(
-                lambda law: self._seen(law, name),
-                lambda number: self.at(number, self._certainty(number, turned=name == "weft")),
+                lambda law: self._seen(law, name), lambda number: self.certainty(number, turned=name == "weft")
             ),
         )
 
@@ -118,13 +119,13 @@ class SheetFit(WholeFit[Orthotropic]):
 
     def _figures(self, curves: Sequence[TestCurve], turned: bool = False) -> FitFigures:
         groups = {mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)}
-        figures = self.figures_of(curves, groups, (1.0,))
-        with_certainty(figures, self._certainty(self.reference, turned), self.fitted_at(self.reference))
-        if figures.uncertainty is not None:
-            figures.uncertainty.next_specimen = next_specimens(curves) or None
-        return figures
+        return self.figures_of(curves, groups, self.certainty(self.reference, turned), curves, (1.0,))
 
-    def _certainty(self, number: int, turned: bool) -> Certainty:
+    @property
+    def figures(self) -> FitFigures:
+        return self._figures(self.curves)
+
+    def certainty(self, number: int, turned: bool = False) -> Certainty:
         """Return how sure the constants at one of the temperatures are, of the sheet ``turned`` by a quarter."""
         return _certainty(self.optima[number], self.fitted_at(number), turned)
 
@@ -153,27 +154,12 @@ class SheetFit(WholeFit[Orthotropic]):
             )
         return found
 
-    def document(self, readings: Readings) -> MaterialDocument:
-        return document_of(
-            readings,
-            self.setting,
-            model=NAME,
-            parameters=dict(self.law.parameters),
-            temperature_degC=self.temperatures[self.reference],
-            directions={name: self.direction(name) for name in self.directions} or None,
-            temperatures=self.constants(
-                lambda law: dict(law.parameters),
-                lambda number: self.at(number, self._certainty(number, turned=False)),
-            ),
-            fit=self._figures(self.curves),
-            stability=self._stability(None, self.curves),
-            stable=self.stable,
-            accepted=self.accepted,
-            replicates=replicates(self.curves) or None,
-            undetermined=self.undetermined or None,
-            tested=tested(self.curves, self.setting),
-            warnings=readings.warnings or None,
-        )
+    @property
+    def stability(self) -> dict[str, StableRange]:
+        return self._stability(None, self.curves)
+
+    def along(self) -> dict[str, Direction]:
+        return {name: self.direction(name) for name in self.directions}
 
     def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
         """Return every curve, and the range of all tests: one energy carries them."""
@@ -222,7 +208,7 @@ def fit_sheet(curves: Sequence[TestCurve], setting: Setting) -> SheetFit:
     laws = tuple(one.law for one in optima)
     unknown = [Undetermined(constant=one.name, value=one.value, test=one.test) for one in first.unknown]
     fit = SheetFit(laws, temperatures, reference, curves, setting, unknown, tuple(optima))
-    fit.refuse_unstable(NAME, "fit a smaller range of stretch")
+    fit.refuse_unstable("fit a smaller range of stretch")
     return fit
 
 

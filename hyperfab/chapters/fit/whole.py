@@ -5,20 +5,23 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.fit.describe import deviations, uncertainty
-from hyperfab.chapters.fit.identify import Setting, compared, nearest, specimen_of
+from hyperfab.chapters.fit.describe import document_of, with_certainty
+from hyperfab.chapters.fit.identify import Setting, compared, nearest, specimen_of, tested
 from hyperfab.chapters.fit.readings import Readings
+from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import (
     AtTemperature,
+    Direction,
     FitFigures,
     MaterialDocument,
     Parameters,
+    StableRange,
     TestFigures,
     Undetermined,
     Unpredicted,
@@ -26,11 +29,15 @@ from hyperfab.documents.material import (
 from hyperfab.errors import InputError
 from hyperfab.materials.identification.quality import Certainty, Figures, figures
 
+if TYPE_CHECKING:  # to load them takes as long as a fit
+    from hyperfab.materials.hyperfoam import Hyperfoam
+    from hyperfab.materials.orthotropic import Orthotropic
+
 #: The stresses at the rows of a curve along both of its axes, and the stretch across of a uniaxial test.
 Answer = tuple[Array, Array | None, Array | None]
 
 
-EnergyT = TypeVar("EnergyT")
+EnergyT = TypeVar("EnergyT", bound="Hyperfoam | Orthotropic")
 
 
 @dataclass(frozen=True)
@@ -47,18 +54,38 @@ class WholeFit(ABC, Generic[EnergyT]):
     setting: Setting
     undetermined: list[Undetermined] = field(default_factory=list)
 
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The law's name."""
+
     @abstractmethod
     def predict(self, curve: TestCurve) -> Answer:
         """Return nominal stresses [MPa] along both axes, and the lateral stretch of a uniaxial test."""
+
+    @abstractmethod
+    def certainty(self, number: int) -> Certainty:
+        """Return how sure the constants at one of the temperatures are."""
+
+    @property
+    @abstractmethod
+    def figures(self) -> FitFigures:
+        """The figures over all rows fitted, and of every test."""
+
+    @property
+    @abstractmethod
+    def stability(self) -> dict[str, StableRange]:
+        """The stretches of each test from rest over which the law is stable."""
 
     @property
     @abstractmethod
     def stable(self) -> bool:
         """Whether the law is stable over the stretches of the tests."""
 
+    @property
     @abstractmethod
-    def document(self, readings: Readings) -> MaterialDocument:
-        """Return the material document."""
+    def accepted(self) -> bool:
+        """Whether the law carries the tests within the limit."""
 
     @abstractmethod
     def ranges(self, document: MaterialDocument) -> Iterator[tuple[TestCurve, tuple[float, float] | None]]:
@@ -72,6 +99,34 @@ class WholeFit(ABC, Generic[EnergyT]):
     def picture(self) -> bytes:
         """Return the PNG of the fit."""
 
+    def alike(self, curves: Sequence[TestCurve]) -> Sequence[TestCurve]:
+        """Return the curves of which those of one kind are replicates."""
+        return curves
+
+    def along(self) -> dict[str, Direction]:
+        """Return the law as seen along each direction by its name, where it has any."""
+        return {}
+
+    def document(self, readings: Readings) -> MaterialDocument:
+        """Return the material document."""
+        return document_of(
+            readings,
+            self.setting,
+            model=self.name,
+            parameters=dict(self.law.parameters),
+            temperature_degC=self.temperatures[self.reference],
+            directions=self.along() or None,
+            temperatures=self.constants(lambda law: dict(law.parameters), self.certainty),
+            fit=self.figures,
+            stability=self.stability,
+            stable=self.stable,
+            accepted=self.accepted,
+            replicates=replicates(self.alike(self.curves)) or None,
+            undetermined=self.undetermined or None,
+            tested=tested(self.curves, self.setting),
+            warnings=readings.warnings or None,
+        )
+
     @property
     def law(self) -> EnergyT:
         """The law at the reference temperature."""
@@ -82,15 +137,13 @@ class WholeFit(ABC, Generic[EnergyT]):
         return self.laws[nearest(self.temperatures, temperature, self.reference)]
 
     def constants(
-        self,
-        seen: Callable[[EnergyT], Parameters],
-        figures: Callable[[int], FitFigures | None] = lambda number: None,
+        self, seen: Callable[[EnergyT], Parameters], certainty: Callable[[int], Certainty]
     ) -> list[AtTemperature] | None:
-        """Return the constants at each temperature of the tests, where there are several, and their ``figures``."""
+        """Return the constants at each temperature of the tests, where there are several, and how sure they are."""
         if len([t for t in self.temperatures if t is not None]) < 2:
             return None
         return [
-            AtTemperature(temperature_degC=t, parameters=seen(law), fit=figures(number))
+            AtTemperature(temperature_degC=t, parameters=seen(law), fit=self._at(number, certainty(number)))
             for number, (t, law) in enumerate(zip(self.temperatures, self.laws, strict=True))
             if t is not None
         ]
@@ -103,9 +156,12 @@ class WholeFit(ABC, Generic[EnergyT]):
         self,
         curves: Sequence[TestCurve],
         groups: Mapping[str, Sequence[TestCurve]],
+        sure: Certainty,
+        replicated: Sequence[TestCurve],
         through: tuple[float, ...] = (),
     ) -> FitFigures:
-        """Return the figures over those of ``curves`` that are fitted, and of each group of them.
+        """Return the figures over those of ``curves`` that are fitted, and of each group of them; how ``sure`` the
+        constants are, and where one more specimen is to be expected beside those ``replicated``.
 
         The range of a group holds the stretches ``through``. InputError where the law has no stress on these rows.
         """
@@ -124,34 +180,30 @@ class WholeFit(ABC, Generic[EnergyT]):
         total = self.error(self.setting.used(curves))
         if total is None:
             raise InputError("the law has no finite stress on these rows", file=curves[0].source)
-        return FitFigures(**vars(total), tests=tests)
+        return self._told(FitFigures(**vars(total), tests=tests), sure, self.reference, replicated)
 
     def fitted_at(self, number: int) -> list[TestCurve]:
         """Return the curves that were fitted at one of the temperatures."""
         return [c for c in self.setting.used(self.curves) if c.is_at(self.temperatures[number])]
 
-    def at(self, number: int, sure: Certainty) -> FitFigures | None:
+    def _at(self, number: int, sure: Certainty) -> FitFigures | None:
         """Return the figures at one of the temperatures, and how sure its constants are; None without a stress."""
-        curves = self.fitted_at(number)
-        total = self.error(curves)
-        return None if total is None else with_certainty(FitFigures(**vars(total)), sure, curves)
+        total = self.error(self.fitted_at(number))
+        return None if total is None else self._told(FitFigures(**vars(total)), sure, number)
 
-    def refuse_unstable(self, name: str, instead: str) -> None:
-        """InputError where a stable law was asked for and this one, ``name``, is not; ``instead`` is a way out."""
+    def _told(
+        self, found: FitFigures, sure: Certainty, number: int, replicated: Sequence[TestCurve] = ()
+    ) -> FitFigures:
+        with_certainty(found, sure, len({specimen_of(curve) for curve in self.fitted_at(number)}))
+        if found.uncertainty is not None:
+            found.uncertainty.next_specimen = next_specimens(self.alike(replicated)) or None
+        return found
+
+    def refuse_unstable(self, instead: str) -> None:
+        """InputError where a stable law was asked for and this one is not; ``instead`` is a way out."""
         if self.setting.stable and not self.stable:
             raise InputError(
-                f"no constants of {name} could be shown to be stable over the data",
+                f"no constants of {self.name} could be shown to be stable over the data",
                 file=self.curves[0].source,
                 remedy=f"leave --stable out, or {instead}",
             )
-
-
-def with_certainty(figures: FitFigures, sure: Certainty, curves: Sequence[TestCurve]) -> FitFigures:
-    """Return the figures with how sure the constants are that ``curves`` told."""
-    figures.parameters_sd = deviations(sure)
-    figures.uncertainty = uncertainty(sure, len({specimen_of(curve) for curve in curves}))
-    if np.isfinite(sure.correlation).all():
-        figures.correlation = sure.correlation.tolist()
-    if np.isfinite(sure.condition_number):
-        figures.condition_number = sure.condition_number
-    return figures
