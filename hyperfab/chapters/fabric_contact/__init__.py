@@ -10,12 +10,11 @@ import numpy as np
 from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.fabric_contact import nearby
 from hyperfab.chapters.fabric_contact.fields import picture, vtu
-from hyperfab.chapters.fabric_contact.result import document, failed, mounted_row, row, status_of
+from hyperfab.chapters.fabric_contact.result import Tested, compared, document, mounted_row, row
 from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_of
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import Fabric, read_fabric
 from hyperfab.chapters.uncertainty.carry import Sure, carry
-from hyperfab.documents.contact import ContactDocument
 from hyperfab.errors import NotConverged
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
@@ -39,21 +38,20 @@ def run(job: Job, case: ContactCase) -> int:
     if case.thickness is None and fabrics[0].thickness is None:
         job.console.note(f"{case.material} states no thickness: 1 mm is taken (--thickness sets it)")
     outcomes = _pressed(job, setup, fabrics)
-    instabilities = [first_instability(outcome) for outcome in outcomes]
-    found = document(setup, fabrics, outcomes, instabilities)
+    tested = [
+        Tested(fabric, outcome, first_instability(outcome)) for fabric, outcome in zip(fabrics, outcomes, strict=True)
+    ]
+    found = document(setup, tested)
     if not outcomes[0].solved:
-        raise NotConverged(status_of(outcomes[0], None) or "no equilibrium", remedy="try a larger first --depth")
-    for fabric, outcome in zip(fabrics, outcomes, strict=True):
-        if outcome.solved:
-            last = outcome.solved[-1]
+        raise NotConverged(tested[0].status or "no equilibrium", remedy="try a larger first --depth")
+    for letter, one in zip("AB", tested, strict=False):
+        if one.outcome.solved:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
-            met = np.maximum(last.fields.stretch, 1.0)
-            job.ranges.used("stretch", met, known=fabric.tested, source=fabric.name, then="extrapolated")
-    for number, (fabric, outcome, unstable) in enumerate(zip(fabrics, outcomes, instabilities, strict=True)):
-        status = status_of(outcome, unstable)
-        if status:
-            job.console.warn(f"{fabric.name}: {status}")
-        _table(job, fabric, outcome, number)
+            met = np.maximum(one.outcome.solved[-1].fields.stretch, 1.0)
+            job.ranges.used("stretch", met, known=one.fabric.tested, source=one.fabric.name, then="extrapolated")
+        if one.status:
+            job.console.warn(f"{one.fabric.name}: {one.status}")
+        _table(job, letter, one)
     if found.force_error_relative and found.force_error_relative > case.tolerance:
         why, round_them = f"more than the {100.0 * case.tolerance:.2g} % asked for", ""
         if found.cut_max_mm:
@@ -71,9 +69,10 @@ def run(job: Job, case: ContactCase) -> int:
             lambda origins: nearby.beside(job, case, geometry, outcomes[0], origins),
         )
         found.uncertainty = sure.uncertainty
-    _write(job, out, case, fabrics, outcomes, found, sure)
-    fails = any(failed(*one) for one in zip(outcomes, instabilities, strict=True))
-    return NotConverged.exit_status if fails else 0
+    if out.wants_files:
+        _draw(out, tested, sure)
+    job.write(out, found, case)
+    return NotConverged.exit_status if any(one.failed for one in tested) else 0
 
 
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
@@ -103,47 +102,33 @@ def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:
         return pressed(setup.depths)
 
 
-def _write(
-    job: Job,
-    out: Output,
-    case: ContactCase,
-    fabrics: list[Fabric],
-    outcomes: list[Outcome],
-    found: ContactDocument,
-    sure: Sure,
-) -> None:
-    difference = None
-    both = len(outcomes) > 1
-    if both and found.compared_at_depth_mm is not None:
-        depth = found.compared_at_depth_mm
-        pair = [next(one for one in outcome.solved if one.state.depth == depth) for outcome in outcomes]
-        _, difference = stress_difference(pair[0], pair[1])
-    if out.wants_files:
-        last = outcomes[0].solved[-1]
-        shown = difference if difference is not None and pair[0] is last else None
-        rows = [mounted_row(last), *(row(solved) for solved in outcomes[0].solved)]
-        compared = (pair[0], difference) if difference is not None else None
-        field, drawn = side_by_side(
-            [
-                lambda: vtu(last, shown, sure.twins),
-                lambda: picture(_names(fabrics), outcomes, compared, sure.interval("force_N")),
-            ]
-        )
-        out.add(".vtu", field)
-        out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
-        out.add(".png", drawn)
-    job.write(out, found, case)
+def _draw(out: Output, tested: list[Tested], sure: Sure) -> None:
+    outcomes = [one.outcome for one in tested]
+    solved = outcomes[0].solved
+    last, pair = solved[-1], compared(tested)
+    difference = None if pair is None else (pair[0], stress_difference(*pair)[1])
+    shown = None if difference is None or difference[0] is not last else difference[1]
+    rows = [mounted_row(last), *map(row, solved)]
+    field, drawn = side_by_side(
+        [
+            lambda: vtu(last, shown, sure.twins),
+            lambda: picture(_names(tested), outcomes, difference, sure.interval("force_N")),
+        ]
+    )
+    out.add(".vtu", field)
+    out.add(".csv", csv_bytes(list(rows[0]), [[float(one[name]) for name in rows[0]] for one in rows]))
+    out.add(".png", drawn)
 
 
-def _names(fabrics: list[Fabric]) -> list[str]:
+def _names(tested: list[Tested]) -> list[str]:
     # The name alone: where a file lies on a machine has no place in a picture.
-    names = [os.path.basename(fabric.name) for fabric in fabrics]
+    names = [os.path.basename(one.fabric.name) for one in tested]
     return ["A: " + names[0], "B: " + names[1]] if len(names) > 1 else names
 
 
-def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
+def _table(job: Job, letter: str, one: Tested) -> None:
     rows = []
-    for solved in outcome.solved:
+    for solved in one.outcome.solved:
         found = solved.fields
         rows.append(
             [
@@ -152,4 +137,4 @@ def _table(job: Job, fabric: Fabric, outcome: Outcome, number: int) -> None:
             ]
         )  # fmt: skip
     columns = ("depth [mm]", "force [N]", "energy [J]", "stretch", "stress [MPa]")
-    job.console.table(f"{'AB'[number]}: {fabric.model}, {fabric.name}", columns, rows)
+    job.console.table(f"{letter}: {one.fabric.model}, {one.fabric.name}", columns, rows)

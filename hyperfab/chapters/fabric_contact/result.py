@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from hyperfab.chapters.fabric_contact.fields import pressure
 from hyperfab.chapters.fabric_contact.outline import is_file
@@ -13,7 +14,6 @@ from hyperfab.documents.contact import BalancePart, ContactDocument, OtherPart, 
 from hyperfab.membrane.contact import Coulomb
 from hyperfab.membrane.contact_edge import contact_edge
 from hyperfab.membrane.measures import cut, fields, mounted_energy, wrinkled_fraction
-from hyperfab.membrane.path import Limit
 from hyperfab.membrane.sphere_contact import Outcome, Solved
 from hyperfab.membrane.verdict import Instability, stress_difference, work
 
@@ -21,20 +21,77 @@ from hyperfab.membrane.verdict import Instability, stress_difference, work
 _JOULE = 1e-3
 
 
-def document(
-    setup: Setup,
-    fabrics: Sequence[Fabric],
-    outcomes: Sequence[Outcome],
-    instabilities: Sequence[Instability | None],
-) -> ContactDocument:
+@dataclass(frozen=True)
+class Tested:
+    """A fabric, what came of its test, and where its constants are first unstable on the way; None where nowhere."""
+
+    fabric: Fabric
+    outcome: Outcome
+    unstable: Instability | None
+
+    @property
+    def failed(self) -> bool:
+        """Whether the depth was not reached, or the constants are unstable on the way."""
+        return self.outcome.path.limit is not None or self.unstable is not None
+
+    @property
+    def status(self) -> str | None:
+        """In words what stood in the way, or None."""
+        words, unstable, path = [], self.unstable, self.outcome.path
+        if unstable:
+            words.append(
+                f"the constants lose Drucker stability at {unstable.depth:.2f} mm "
+                f"(stretches {unstable.stretches[0]:.3f} and {unstable.stretches[1]:.3f})"
+            )
+        if path.jumps:
+            words.append(", ".join(f"the sheet snaps between {a:.2f} and {b:.2f} mm" for a, b in path.jumps))
+        if path.limit:
+            words.append(path.limit.reason)
+        return "; ".join(words) or None
+
+    @property
+    def reached(self) -> float:
+        """How deep the path came [mm], as the machine reads it."""
+        limit, states = self.outcome.path.limit, self.outcome.path.states
+        if limit is None:
+            return self.outcome.solved[-1].read
+        return limit.depth + (self.outcome.rough.frame * states[-1].force if states else 0.0)
+
+    @property
+    def force_depth(self) -> list[tuple[float, float]]:
+        """Depths [mm] and forces [N], from none on."""
+        return [(0.0, 0.0), *((solved.read, solved.state.force) for solved in self.outcome.solved)]
+
+    @property
+    def stability(self) -> StabilityPart:
+        """Where the law is unstable, and where it bands."""
+        unstable, limit = self.unstable, self.outcome.path.limit
+        part = StabilityPart(stable=unstable is None)
+        if unstable is not None:
+            part.first_unstable_depth_mm = unstable.depth
+            part.at_mm, part.stretches = unstable.at, unstable.stretches
+        if limit is not None and limit.bands is not None:
+            part.bands_depth_mm = limit.depth
+            part.bands_at_mm, part.bands_stretches = limit.bands.at, limit.bands.stretches
+        return part
+
+
+def compared(tested: Sequence[Tested]) -> tuple[Solved, Solved] | None:
+    """Return the deepest equilibria of two fabrics on one mesh; None where there are none."""
+    if len(tested) < 2:
+        return None
+    one, other = (each.outcome.solved for each in tested)
+    return next(((a, b) for a in one[::-1] for b in other[::-1] if a.press.sheet.mesh is b.press.sheet.mesh), None)
+
+
+def document(setup: Setup, tested: Sequence[Tested]) -> ContactDocument:
     """Return the document of one test, or of two that are compared."""
-    outcome, unstable = outcomes[0], instabilities[0]
-    limit = outcome.path.limit
-    fails = [failed(*one) for one in zip(outcomes, instabilities, strict=True)]
-    status = status_of(outcome, unstable)
-    if any(fails[1:]):  # the command ends with 4 for that alone
-        beside = f"{fabrics[1].name}: {status_of(outcomes[1], instabilities[1])}"
-        status = f"{status}; {beside}" if status else beside
+    one, *others = tested
+    outcome, limit, status = one.outcome, one.outcome.path.limit, one.status
+    for other in others:
+        if other.failed:  # the command ends with 4 for that alone
+            beside = f"{other.fabric.name}: {other.status}"
+            status = f"{status}; {beside}" if status else beside
     total = outcome.path.iterations
     presses = [outcome.rough, *(solved.press for solved in outcome.solved)]
     if not setup.friction.remembers:
@@ -42,17 +99,17 @@ def document(
     found = ContactDocument(
         converged=limit is None,
         status=status,
-        depth_reached_mm=_reached(outcome) if any(fails) else None,
+        depth_reached_mm=one.reached if any(each.failed for each in tested) else None,
         turning_point_mm=limit.turning_point if limit else None,
         newton_iterations=outcome.solved[-1].state.iterations if outcome.solved else 0,
         newton_iterations_total=total,
         unknowns=(outcome.solved[-1].press if outcome.solved else outcome.rough).sheet.mesh.unknowns,
         linear_solver=", ".join(sorted(set().union(*(press.sheet.pattern.solver.used for press in presses)))),
-        force_depth=_force_depth(outcome),
-        stability=_stability(unstable, limit),
-        setup=_setup(setup, fabrics[0]),
+        force_depth=one.force_depth,
+        stability=one.stability,
+        setup=_setup(setup, one.fabric),
         left_out=[
-            *fabrics[0].left_out,
+            *one.fabric.left_out,
             "weight of the sheet",
             "bending stiffness of the fabric",
             *_half_thickness(setup),
@@ -60,8 +117,14 @@ def document(
     )
     if outcome.solved:
         _add_last(found, outcome)
-    if len(outcomes) > 1:
-        _compare(found, fabrics[1], outcomes, instabilities[1])
+    for other in others:
+        found.against = _against(other)
+    pair = compared(tested)
+    if pair is not None:
+        a, b = pair
+        found.compared_at_depth_mm = a.state.depth
+        found.stress_difference_percent, _ = stress_difference(a, b)
+        found.force_ratio = a.state.force / b.state.force if b.state.force > 0.0 else None
     return found
 
 
@@ -71,26 +134,6 @@ def _half_thickness(setup: Setup) -> list[str]:
     half = 0.5 * setup.thickness
     share = 100.0 * half / setup.radius
     return [f"half the sheet's thickness on the sphere: {half:g} mm, {share:.2g} % of its radius (--middle-surface)"]
-
-
-def failed(outcome: Outcome, unstable: Instability | None) -> bool:
-    """Return whether the depth was not reached, or the constants are unstable on the way."""
-    return outcome.path.limit is not None or unstable is not None
-
-
-def status_of(outcome: Outcome, unstable: Instability | None) -> str | None:
-    """Return in words what stood in the way, or None."""
-    words = []
-    if unstable:
-        words.append(
-            f"the constants lose Drucker stability at {unstable.depth:.2f} mm "
-            f"(stretches {unstable.stretches[0]:.3f} and {unstable.stretches[1]:.3f})"
-        )
-    if outcome.path.jumps:
-        words.append(", ".join(f"the sheet snaps between {a:.2f} and {b:.2f} mm" for a, b in outcome.path.jumps))
-    if outcome.path.limit:
-        words.append(outcome.path.limit.reason)
-    return "; ".join(words) or None
 
 
 def mounted_row(solved: Solved) -> dict[str, float]:
@@ -159,51 +202,20 @@ def _add_last(found: ContactDocument, outcome: Outcome) -> None:
         )
 
 
-def _compare(found: ContactDocument, fabric: Fabric, outcomes: Sequence[Outcome], unstable: Instability | None) -> None:
-    other = outcomes[1]
-    limit = other.path.limit
+def _against(other: Tested) -> OtherPart:
     part = OtherPart(
-        model=fabric.model,
-        converged=limit is None,
-        status=status_of(other, unstable),
-        depth_reached_mm=_reached(other) if failed(other, unstable) else None,
-        force_depth=_force_depth(other),
-        stability=_stability(unstable, limit),
+        model=other.fabric.model,
+        converged=other.outcome.path.limit is None,
+        status=other.status,
+        depth_reached_mm=other.reached if other.failed else None,
+        force_depth=other.force_depth,
+        stability=other.stability,
     )
-    if other.solved:
-        last = other.solved[-1]
+    if other.outcome.solved:
+        last = other.outcome.solved[-1]
         smooth = last.fields
         part.force_N = last.state.force
         part.stretch_max, part.stress_max_MPa = float(smooth.stretch.max()), float(smooth.cauchy.max())
-    found.against = part
-    pairs = [(a, b) for a in outcomes[0].solved for b in other.solved if a.press.sheet.mesh is b.press.sheet.mesh]
-    if pairs:
-        a, b = pairs[-1]
-        found.compared_at_depth_mm = a.state.depth
-        found.stress_difference_percent, _ = stress_difference(a, b)
-        found.force_ratio = a.state.force / b.state.force if b.state.force > 0.0 else None
-
-
-def _force_depth(outcome: Outcome) -> list[tuple[float, float]]:
-    return [(0.0, 0.0), *((solved.read, solved.state.force) for solved in outcome.solved)]
-
-
-def _reached(outcome: Outcome) -> float:
-    """Return how deep a path came [mm], as the machine reads it."""
-    limit, states = outcome.path.limit, outcome.path.states
-    if limit is None:
-        return outcome.solved[-1].read
-    return limit.depth + (outcome.rough.frame * states[-1].force if states else 0.0)
-
-
-def _stability(unstable: Instability | None, limit: Limit | None) -> StabilityPart:
-    part = StabilityPart(stable=unstable is None)
-    if unstable is not None:
-        part.first_unstable_depth_mm = unstable.depth
-        part.at_mm, part.stretches = unstable.at, unstable.stretches
-    if limit is not None and limit.bands is not None:
-        part.bands_depth_mm = limit.depth
-        part.bands_at_mm, part.bands_stretches = limit.bands.at, limit.bands.stretches
     return part
 
 
