@@ -48,7 +48,6 @@ def run(job: Job, case: DrapeCase) -> int:
             lambda: _origins(job, case),
             lambda origins: nearby.beside(job, model, found[-1], origins),
         )
-        document.uncertainty = sure.uncertainty
     if out.wants_files:
         files.write(out, model, found, sure, banded(document.to_json(), "force_N", "N"))
     known = {"temperature_degC": model.files.fabric.temperature, "slide": case.sliding}

@@ -68,7 +68,6 @@ def run(job: Job, case: ContactCase) -> int:
             lambda: nearby.origins_of(job, case),
             lambda origins: nearby.beside(job, case, geometry, outcomes[0], origins),
         )
-        found.uncertainty = sure.uncertainty
     if out.wants_files:
         _draw(out, tested, sure)
     job.write(out, found, case)

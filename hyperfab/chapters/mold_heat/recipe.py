@@ -125,7 +125,6 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
             lambda: _origins(job, case, builder),
             lambda known: nearby.beside(case, document, problem, history, value, known),
         )
-        result.uncertainty = sure.uncertainty
     if out.wants_files:
         write_fields(out, problem, history, document.run.target, sure)
     job.write(out, result, case)

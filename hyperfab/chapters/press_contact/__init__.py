@@ -104,7 +104,6 @@ def run(job: Job, case: PressCase) -> int:
         lambda: _origins(job, model, result),
         lambda known: nearby.beside(job, model, told.closed, known),
     )
-    result.uncertainty = sure.uncertainty
     if out.wants_files:
         out.add(".vtu", grid_of(told, sure.fields))
         out.add(".png", picture_of(told, result, sure))

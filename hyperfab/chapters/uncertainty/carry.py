@@ -18,8 +18,7 @@ from hyperfab.chapters.rerun import rerun
 from hyperfab.chapters.uncertainty.handed import described, identified
 from hyperfab.chapters.uncertainty.sources import Origins, of_case
 from hyperfab.console import Advance
-from hyperfab.documents.base import Document
-from hyperfab.documents.uncertainty import Band, Share, Uncertainty, figures_of
+from hyperfab.documents.uncertainty import Band, Computed, Share, Uncertainty, figures_of
 from hyperfab.errors import HyperfabError
 from hyperfab.numerics import propagation
 from hyperfab.numerics.propagation import LEVEL, Spread
@@ -115,29 +114,29 @@ class Nearby(ABC):
 def carry(
     job: Job,
     case: Any,
-    document: Document,
+    document: Computed,
     origins: Callable[[], Origins],
-    nearby: Callable[[Origins], Nearby | None] = lambda origins: None,
+    nearby: Callable[[Origins], Nearby | None],
 ) -> Sure:
-    """Return how sure the figures of a document are, where its inputs say how sure they are.
+    """Return how sure the figures of a document are, where its inputs say how sure they are; it tells them from now on.
 
     ``origins`` finds what the inputs say, and ``nearby`` a quicker way than to run the command again.
     """
     if case.uncertainty == "none":
         return Sure()
-    known = origins()
-    if not known.found and next(of_case(case), None) is not None:
-        untold = Uncertainty(level=LEVEL, method=case.uncertainty or "linear", quantities={}, left_out=known.left_out)
-        _tell(job, untold, {})
-        return Sure(untold)
-    if not known.found:
+    known, value = origins(), Figures()
+    if known.found:
+        value = dict(figures_of(document.to_json(), document.KIND))
+        identified(known, case, job)
+        found = Carried(job, case, document.KIND, known, value, nearby(known)).run()
+    elif next(of_case(case), None) is not None:
+        method = case.uncertainty or "linear"
+        found = Sure(Uncertainty(level=LEVEL, method=method, quantities={}, left_out=known.left_out))
+    else:
         if case.uncertainty is not None:
             job.console.note("the inputs say nothing of how sure they are: there is no uncertainty to carry")
         return Sure()
-    identified(known, case, job)
-    plain = document.to_json()
-    value = dict(figures_of(plain, document.KIND))
-    found = Carried(job, case, document.KIND, known, value, nearby(known)).run()
+    document.uncertainty = found.uncertainty
     if found.uncertainty is not None:
         _tell(job, found.uncertainty, value)
     return found
