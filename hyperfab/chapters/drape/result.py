@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from hyperfab.cases.drape import DYNAMIC_STEPS, LOAD_STEPS, RELAXATION_STEPS, SIDES
 from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
-from hyperfab.cloth import Sheet
+from hyperfab.cloth import Answers, Sheet
 from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
@@ -176,56 +178,17 @@ def way_out(model: Model) -> str:
 
 def judge(job: Job, document: DrapeDocument, state: State) -> bool:
     """Say what the user must know before trusting the answer; False where it is no equilibrium to rely on."""
-    sound, fields = document.converged, state.fields
     if document.status is not None:
         job.console.warn(document.status)
-    unrubbed = float(state.found.push[2]) / max(fields.press_force, 1e-300)
+    unrubbed = float(state.found.push[2]) / max(state.fields.press_force, 1e-300)
     if document.friction and unrubbed > MUCH:
         job.console.warn(
             f"{100.0 * unrubbed:.0f} % of the force goes over sharp edges of the mold between nodes, where nothing "
             "rubs: --friction counts for little; round the edges over a few spacings of the --grid"
         )
-    if fields.cells is not None and float(fields.cells.margin.min()) < 0.0:
-        sound = False
-        worst = np.unravel_index(int(fields.cells.margin.argmin()), fields.cells.margin.shape)
-        text = (
-            f"the law is unstable where it is used: at a stretch of {fields.cells.stretch[worst]:.3f} more strain "
-            "takes less stress; fit the fabric again with --stable"
-        )
-        _add(job, document, text)
-    for name, use in (("warp", document.warp), ("weft", document.weft)):
-        if use.softens_at is not None:
-            sound = False
-            text = (
-                f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
-                f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
-            )
-            _add(job, document, text)
-        if use.ends_at is not None:
-            sound = False
-            text = (
-                f"springs along {name} reach a stretch of {use.stretch_max:.3f}, and the law ends at "
-                f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
-            )
-            _add(job, document, text)
-    if document.depth_mm > 0.0 and not (document.contact_nodes or document.contact_edges):
-        sound = False
-        _add(
-            job,
-            document,
-            "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
-            "has slipped off it (less --depth)",
-        )
-    elif (
-        document.stands_through_mm or 0.0
-    ) >= 0.5 * document.depth_mm > 0.0 and document.force_N <= document.residual_max_N:
-        sound = False
-        _add(
-            job,
-            document,
-            f"the mold stands {document.stands_through_mm:.3g} mm out through the net and bears nothing of it: it has "
-            "passed between the nodes (take a finer --grid)",
-        )
+    faults = list(_faults(document, state.fields))
+    job.console.warn(*faults)
+    document.status = "; ".join([*([] if document.status is None else [document.status]), *faults]) or None
     if document.stands_through_mm and document.stands_through_at_mm:
         spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
         if document.stands_through_mm > THROUGH * spacing:
@@ -235,12 +198,39 @@ def judge(job: Job, document: DrapeDocument, state: State) -> bool:
                 f"the mold stands {document.stands_through_mm:.3g} mm out through the net, between the nodes about "
                 f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid{odd}"
             )
-    return sound
+    return document.converged and not faults
 
 
-def _add(job: Job, document: DrapeDocument, text: str) -> None:
-    document.status = text if document.status is None else f"{document.status}; {text}"
-    job.console.warn(text)
+def _faults(document: DrapeDocument, fields: Answers) -> Iterator[str]:
+    """Yield why a sheet that came to rest is no equilibrium to rely on."""
+    if fields.cells is not None and float(fields.cells.margin.min()) < 0.0:
+        worst = np.unravel_index(int(fields.cells.margin.argmin()), fields.cells.margin.shape)
+        yield (
+            f"the law is unstable where it is used: at a stretch of {fields.cells.stretch[worst]:.3f} more strain "
+            "takes less stress; fit the fabric again with --stable"
+        )
+    for name, use in (("warp", document.warp), ("weft", document.weft)):
+        if use.softens_at is not None:
+            yield (
+                f"the constants along {name} are unstable where they are used: the stress falls beyond stretch "
+                f"{use.softens_at:.3f}, and springs reach {use.stretch_max:.3f}; fit the fabric again with --stable"
+            )
+        if use.ends_at is not None:
+            yield (
+                f"springs along {name} reach a stretch of {use.stretch_max:.3f}, and the law ends at "
+                f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
+            )
+    through = document.stands_through_mm or 0.0
+    if document.depth_mm > 0.0 and not (document.contact_nodes or document.contact_edges):
+        yield (
+            "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
+            "has slipped off it (less --depth)"
+        )
+    elif through >= 0.5 * document.depth_mm > 0.0 and document.force_N <= document.residual_max_N:
+        yield (
+            f"the mold stands {through:.3g} mm out through the net and bears nothing of it: it has passed between the "
+            "nodes (take a finer --grid)"
+        )
 
 
 def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest: float | None) -> bool:
