@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.documents.base import Document, read_document, stated_kind
+from hyperfab.documents.base import read_document, stated_kind
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.heat import HeatDocument
 from hyperfab.errors import InputError
@@ -17,11 +17,9 @@ from hyperfab.io.vtu import unstructured
 from hyperfab.io.vtu_read import Grid, field_among, read_vtu
 
 
-def read_field(inputs: Inputs, name: str, document: Document, cells: str, array: str) -> Grid:
-    """Return the last field of the document ``name``: values ``array`` on elements of the type ``cells``.
-
-    Raises InputError where there is none, or it holds something else.
-    """
+def read_field(inputs: Inputs, name: str, document: DrapeDocument | HeatDocument) -> Grid:
+    """Return the last field beside the document ``name``; InputError where there is none, or one of something else."""
+    cells, array = ("quad", "thickness_mm") if isinstance(document, DrapeDocument) else ("tetra10", "temperature_degC")
     found = None if name == "-" else field_among(document.files)
     command = document.provenance.command if document.provenance is not None else document.KIND
     if found is None:
@@ -63,12 +61,6 @@ def moved(grid: Grid, name: str, changes: Mapping[int, float]) -> Array | float:
     return sum((change * by[index] for index, change in changes.items()), 0.0)
 
 
-def grid_of(inputs: Inputs, name: str, document: Document) -> Grid:
-    """Return the field beside a drape or a heat document."""
-    cells, array = ("quad", "thickness_mm") if isinstance(document, DrapeDocument) else ("tetra10", "temperature_degC")
-    return read_field(inputs, name, document, cells, array)
-
-
 def read_handing(inputs: Inputs, name: str) -> DrapeDocument | HeatDocument:
     """Return a document that may hand fields on."""
     if stated_kind(inputs.plain(name)) == "drape":
@@ -81,7 +73,7 @@ def moved_fields(inputs: Inputs, handed: Mapping[str, Mapping[int, float]]) -> d
     found = {}
     for name, changes in handed.items():
         document = read_handing(inputs, name)
-        grid = grid_of(inputs, name, document)
+        grid = read_field(inputs, name, document)
         beside = inputs.beside(name, str(field_among(document.files)))
         if isinstance(document, DrapeDocument):
             thicker = moved(grid, "thickness_ratio", changes) * document.thickness_mm

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.field import HANDED, derivatives, grid_of, read_handing
+from hyperfab.chapters.field import HANDED, derivatives, read_field, read_handing
 from hyperfab.documents.base import read_document
 from hyperfab.documents.drape import DrapeDocument
 from hyperfab.documents.uncertainty import SourceNumber, SourcePart, Uncertainty
@@ -40,7 +40,7 @@ def hands_on(inputs: Inputs, name: str) -> bool:
 def handing(inputs: Inputs, name: str, numbers: list[More]) -> dict[str, bytes]:
     """Return a document that hands ``numbers`` on beside its own, and its field: files by name."""
     document = read_handing(inputs, name)
-    grid = grid_of(inputs, name, document)
+    grid = read_field(inputs, name, document)
     fields = HANDED[document.KIND]
     told = document.uncertainty or Uncertainty(level=LEVEL, method="linear", quantities={})
     known = len(derivatives(grid, fields[0]))
@@ -67,11 +67,11 @@ def slope(inputs: tuple[Inputs, Inputs], name: str, step: float) -> dict[str, Ar
     below, above = (read_document(one, name, DrapeDocument) for one in inputs)
     if not (below.converged and above.converged):
         raise NotConverged("the sheet finds no rest beside it")
-    low, high = (grid_of(one, name, document) for one, document in zip(inputs, (below, above), strict=True))
+    low, high = (read_field(one, name, document) for one, document in zip(inputs, (below, above), strict=True))
     thicker = (high.cell_data["thickness_mm"] - low.cell_data["thickness_mm"]) / below.thickness_mm
     return {"thickness_ratio": thicker / (2.0 * step), "place_mm": (high.points - low.points) / (2.0 * step)}
 
 
 def warmer(inputs: Inputs, name: str) -> dict[str, Array]:
     """Return what the field of a heat document changes by where all of it is warmer by a kelvin."""
-    return {"temperature_degC": np.ones(len(grid_of(inputs, name, read_handing(inputs, name)).points))}
+    return {"temperature_degC": np.ones(len(read_field(inputs, name, read_handing(inputs, name)).points))}

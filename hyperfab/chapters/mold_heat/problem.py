@@ -317,7 +317,7 @@ class MoldBuilder:
 def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
     """Read the last field of the heat document that ``mold`` names; InputError where there is none."""
     name = inputs.beside(mold, relative)
-    return read_field(inputs, name, read_document(inputs, name, HeatDocument), "tetra10", "temperature_degC")
+    return read_field(inputs, name, read_document(inputs, name, HeatDocument))
 
 
 def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int]) -> Array:

@@ -226,7 +226,7 @@ def _read(inputs: Inputs, given: str, unsure: bool) -> HeatInput:
     heat = read_document(inputs, name, HeatDocument)
     if heat.work_surface is not None and (name == "-" or field_among(heat.files) is None):
         return HeatInput(heat.work_surface.at_end.mean_degC, "mean of the heat document's work surface")
-    grid = read_field(inputs, name, heat, "tetra10", "temperature_degC")
+    grid = read_field(inputs, name, heat)
     if not unsure:
         grid = replace(grid, point_data={"temperature_degC": grid.point_data["temperature_degC"]})
     parts = tuple(heat.mass_by_part_kg)

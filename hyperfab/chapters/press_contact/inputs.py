@@ -263,7 +263,7 @@ def thinning(job: Job, drape: str, male: str, vertices: np.ndarray, unsure: bool
     document = read_document(job.inputs, drape, DrapeDocument)
     if not document.converged:
         job.console.warn(f"{drape}: the drape did not converge; its thickness is taken as it is")
-    grid = read_field(job.inputs, drape, document, "quad", "thickness_mm")
+    grid = read_field(job.inputs, drape, document)
     _check_same_mold(job, document, drape, male)
     numbers = [] if document.uncertainty is None else document.uncertainty.sources
     sds = [number.sd for source in numbers for number in source.numbers]

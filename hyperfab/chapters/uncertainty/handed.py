@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from hyperfab.cases.case import Case
-from hyperfab.chapters.field import HANDED, derivatives, grid_of, read_handing
+from hyperfab.chapters.field import HANDED, derivatives, read_field, read_handing
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.changed import Changed
 from hyperfab.chapters.uncertainty.sources import Number, Origin, Origins
@@ -71,7 +71,7 @@ def join(found: Origins, inputs: Inputs, documents: Iterable[str]) -> None:
             silent.append(name)
             continue
         known = HANDED[document.KIND][0]
-        if known not in told.handed or not derivatives(grid_of(inputs, name, document), known):
+        if known not in told.handed or not derivatives(read_field(inputs, name, document), known):
             silent.append(name)
             continue
         at = 0
