@@ -60,7 +60,7 @@ def shown(cls: type[Case], found: Mapping[str, Any]) -> list[str]:
         if one.name not in found:
             continue
         value = found[one.name]
-        for item in value if isinstance(value, list) else [value]:
+        for item in value if isinstance(value, (list, tuple)) else [value]:
             if isinstance(item, bool):
                 words.append(one.option if item else f"--no-{one.option[2:]}")
             else:

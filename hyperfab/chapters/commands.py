@@ -14,7 +14,11 @@ from hyperfab.io.json_io import load_json
 
 
 def asked(job: Job, cls: type[Case], options: Mapping[str, Any], like: str | None = None) -> Case:
-    """Return the case of the ``options`` given, the others as in the document ``like``; changed inputs are told."""
+    """Return the case of the ``options`` given, the others as in the document ``like``; changed inputs are told.
+
+    From now on the job's arguments are those.
+    """
+    job.arguments = [*shown(cls, options), *(["--like", like] if like is not None else [])]
     if like is None:
         return cls.of(options)
     data = load_json(job.inputs.read(like), like)
@@ -45,9 +49,7 @@ def run_words(job: Job, words: Sequence[str]) -> int:
     """Run the job's command on the case of its words, as the command line would."""
     cls = case_class(job.command)
     own, like, job.strict = without_run(words)
-    found = given(cls, own)
-    job.arguments = [*shown(cls, found), *(["--like", like] if like is not None else [])]
-    return run(job, asked(job, cls, found, like))
+    return run(job, asked(job, cls, given(cls, own), like))
 
 
 def run(job: Job, case: Case) -> int:

@@ -190,8 +190,6 @@ Strict = Annotated[
 Debug = Annotated[bool, typer.Option("--debug", help="Show the traceback of a defect.")]
 #: What is said where a kernel must be compiled: half a minute without a word looks like a fault.
 _COMPILING = "compiling for this machine, once: up to half a minute"
-#: Options about how a run is shown, not about what it computes: no part of provenance.
-_ABOUT_THE_RUN = ("quiet", "debug", "strict")
 
 
 def run_case(context: typer.Context, cls: type[Case]) -> None:
@@ -211,7 +209,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
                 raise UsageError(f'--{name} "": is empty; name a file, or leave it out')
         job = Job(
             cls.COMMAND,
-            arguments_given(context),
+            (),
             Console(bool(context.params.get("quiet"))),
             target=str(context.params.get("output", "-")),
             strict=bool(context.params["strict"]),
@@ -229,23 +227,6 @@ def _sums_up(context: typer.Context) -> bool:
     """Whether a person sits at standard output who did not ask for the document there: a summary serves them."""
     source = context.get_parameter_source("output")
     return sys.stdout.isatty() and (source is None or source.name != "COMMANDLINE")
-
-
-def arguments_given(context: typer.Context) -> list[str]:
-    """Return the arguments as given, in the order of the help page, without the output's name."""
-    words: list[str] = []
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        source = context.get_parameter_source(name)
-        if source is None or source.name != "COMMANDLINE" or name in ("output", *_ABOUT_THE_RUN):
-            continue
-        value = context.params[name]
-        for item in value if isinstance(value, (list, tuple)) else [value]:
-            if parameter.param_type_name == "option":
-                words.append(max(parameter.opts, key=len))
-            if not isinstance(item, bool):
-                words.append(str(item))
-    return words
 
 
 Like = Annotated[

@@ -40,6 +40,12 @@ def test_fit_pipes_into_fabric_contact(hf: Run) -> None:
     assert document["provenance"]["inputs"][0]["name"] == "-"
 
 
+def test_the_arguments_are_told_as_they_were_given(hf: Run) -> None:
+    """A flag that is taken back is none that was set."""
+    document = only_document(hf("fit", "--quiet", "--no-zero", "--model", "yeoh-3", UNIAXIAL), "material")
+    assert document["provenance"]["arguments"] == ["--no-zero", UNIAXIAL, "--model", "yeoh-3"]
+
+
 def test_fit_pipes_into_drape_and_its_file_into_press(hf: Run, tmp_path: Path) -> None:
     fitted = hf(*FIT)
     # The press needs the field of thickness, which lies beside the document: so this pair meets through a file.
