@@ -35,7 +35,7 @@ def given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Given:
     for name in ("male.stl", "female.stl", "drape.json", "heat.json"):
         Path(name).write_bytes(b"")
     Path("out").mkdir()
-    return Given("press.json", {}, [], read(LoopCase, ("press.json",)), LAYOUT, How())
+    return Given({}, read(LoopCase, ("press.json",)), LAYOUT, How())
 
 
 def written(given: Given, document: str, corrected: Corrected) -> tuple[Kept, str | None, list[list[str]]]:

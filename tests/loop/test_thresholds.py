@@ -71,7 +71,7 @@ def judged_alone(rows: int) -> bool:
 
 
 def read(rows: int) -> bool:
-    given = SimpleNamespace(measured=["a.csv"], layout=None, case=SimpleNamespace(held=[], noise=None))
+    given = SimpleNamespace(layout=None, case=SimpleNamespace(readings=["a.csv"], held=[], noise=None))
     try:
         one = SimpleNamespace(values=np.zeros(rows), kind="force")
         readings.read_files(None, given, lambda *asked: one, ("force",))  # type: ignore[arg-type,return-value]
@@ -357,7 +357,7 @@ CASES: dict[str, tuple[Callable[[pytest.MonkeyPatch], Any], Any]] = {
         lambda _: [[cloth(share) for share in (0.08, 0.1)], [follow(share) for share in (0.08, 0.1)]],
         [["noise", "unexplained"], [False, True]],
     ),
-    "PRIOR": (lambda _: Given("", {}, [], SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
+    "PRIOR": (lambda _: Given({}, SimpleNamespace(prior=None), None, None).surely, 0.1),  # type: ignore[arg-type]
     "MARGIN": (
         lambda patch: [
             [evidence(bic=bic).pays(), in_proportion(bic), same(patch, left=30.0, gap=bic)] for bic in (6.0, 12.0)

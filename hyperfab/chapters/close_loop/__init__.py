@@ -27,16 +27,15 @@ _NAMES = {
 
 def run(job: Job, case: LoopCase) -> int:
     """Close the loop on the model of the case: 0, or 1 where the residual stays unexplained."""
-    model, measured = case.model, case.readings
     kinds = {name: test for test in ("uniaxial", "shear", "biaxial") for name in getattr(case, test)}
-    if not measured:
+    if not case.readings:
         raise UsageError("nothing to compare with; give measured data as FILE.csv behind the model")
     how = How(kinds, geometry(case), steps_of(case))
-    kind, data = kind_of(job, model)
+    kind, data = kind_of(job, case.model)
     if kind not in BUILT:
         raise InputError(
             f"is a {kind} document, a model is needed",
-            file=model,
+            file=case.model,
             key="format",
             remedy="give a material, contact, drape or press document, or a mold.toml",
         )
@@ -44,10 +43,9 @@ def run(job: Job, case: LoopCase) -> int:
         how.check(kind)
     if case.upstream and kind not in ("press", "drape"):
         raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
-    _refuse_doubles(job, measured, case.held)
+    _refuse_doubles(job, case.readings, case.held)
     told = layout(case.columns, case.skip_rows, case.decimal, own=names_of(kind, data))
-    given = Given(model, data, measured, case, told, how)
-    return domain_of(kind)(job, given)
+    return domain_of(kind)(job, Given(data, case, told, how))
 
 
 def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:

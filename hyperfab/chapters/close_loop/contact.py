@@ -53,14 +53,14 @@ _ROOM_TEMPERATURE = 23.0
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
-    made = unchanged(earlier(ContactCase, given.data, given.name))
+    made = unchanged(earlier(ContactCase, given.data, given.case.model))
     files = read_files(job, given, read_force_depth, ("force",))
     out.refuse_inputs(job.inputs)
-    document = parse_document(given.data, given.name, ContactDocument)
+    document = parse_document(given.data, given.case.model, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
     note_temperatures(job, FabricDocument(material, made.case.material), files.measured)
-    check_unchanged(job, made, [*given.measured, *given.case.held])
+    check_unchanged(job, made, [*given.case.readings, *given.case.held])
     with job.console.progress("Closing the loop") as advance:
         sheet = pose_sheet(forward, document, files.measured, lambda s: advance(0.3 * s, "forward runs"))
     problem = pose(sheet, files.measured, material, given.surely, given.case.fix, made.case.temperature)

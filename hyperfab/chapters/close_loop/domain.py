@@ -37,15 +37,11 @@ class How:
 class Given:
     """What each domain is given.
 
-    name      the model's file, and ``data`` the plain document read from it
-    measured  the files that take part
-    case      the rest of what is asked
-    layout    how tables are to be read, and ``how`` tests of a fabric
+    data    the plain document of the model that ``case`` names
+    layout  how tables are to be read, and ``how`` tests of a fabric
     """
 
-    name: str
     data: Mapping[str, Any]
-    measured: list[str]
     case: LoopCase
     layout: Layout
     how: How

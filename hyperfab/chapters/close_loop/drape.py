@@ -85,12 +85,12 @@ def run(job: Job, given: Given) -> int:
             ".csv",
         ),
     )
-    made = unchanged(earlier(DrapeCase, given.data, given.name))
+    made = unchanged(earlier(DrapeCase, given.data, given.case.model))
     files = read_measured(job, given, read_markers, ("length",))
     out.refuse_inputs(job.inputs)
     material = None if made.case.material is None else read_document(job.inputs, made.case.material, MaterialDocument)
     forward = Forward(job, made.case, material)
-    check_unchanged(job, made, [*given.measured, *given.case.held])
+    check_unchanged(job, made, [*given.case.readings, *given.case.held])
     _check_places(forward.sheet, [*files.measured, *files.apart])
     with job.console.progress("Closing the loop") as advance:
         draped = pose_sheet(forward, lambda share: advance(0.3 * share, "forward runs"))

@@ -44,8 +44,8 @@ _SPARE = 9
 def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
     out = job.opened(job.target, (".model.json", ".png", ".csv"))
-    document = parse_document(given.data, given.name, MaterialDocument)
-    before = given_as(given.data, given.name, document.provenance)
+    document = parse_document(given.data, given.case.model, MaterialDocument)
+    before = given_as(given.data, given.case.model, document.provenance)
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.
     thickness = None if document.thickness_nominal else document.thickness_mm
     foam = document.model in ORDERS
@@ -53,15 +53,15 @@ def run(job: Job, given: Given) -> int:
     kinds = OF_A_SHEET if document.directions else carried_by(document.model)
     carries = [kind for kind in kinds if kind in MODE_NAMES]
     how = (given.layout, thickness, before, given.how, carries)
-    tests = read_measured(job, given.measured, *how)
+    tests = read_measured(job, given.case.readings, *how)
     held_out = read_measured(job, given.case.held, *how, beside=tests) if given.case.held else None
     for one in (tests, held_out):
         if one is not None and not foam:
             _unturn(one)
     level = stated_size(given.case.noise, "membrane-stress" if tests.unit == "N/mm" else "stress")
     out.refuse_inputs(job.inputs)
-    document = in_terms(document, given.name, tests.tests)
-    asked = (given.name, tests, given.case.fix, given.case.prior)
+    document = in_terms(document, given.case.model, tests.tests)
+    asked = (given.case.model, tests, given.case.fix, given.case.prior)
     problem = pose(document, *asked)
     if problem.both and not document.effects and is_slanted(problem.fabric.path.angle_deg).any():
         document = document.model_copy(update={"directions": None})
@@ -75,11 +75,11 @@ def run(job: Job, given: Given) -> int:
     if rows < free + _SPARE:
         raise InputError(
             f"has too few rows ({rows}) to tell noise from a residual: the model has {free} constants of its own",
-            file=given.measured[0],
+            file=given.case.readings[0],
             remedy=f"give {free + _SPARE} or more",
         )
     _warn(job, document, tests)
-    _note_ranges(job, document, given.name, tests)
+    _note_ranges(job, document, given.case.model, tests)
     apart = None if held_out is None else _set_apart(problem, held_out)
     with job.console.progress("Closing the loop") as advance:
         misses = none_apart if apart is None else apart.misses
@@ -97,7 +97,7 @@ def run(job: Job, given: Given) -> int:
         result.held_out = errors_apart(apart, found, len(held_out.tests))
     say(job.console, problem, found, result)
     if out.wants_files:
-        model.validity = _closed_on(given.measured, tests)
+        model.validity = _closed_on(given.case.readings, tests)
         out.add(".model.json", dump_json(job.stated(model, out.target, given.case)))
         result.model = out.path(".model.json").name
         _files(job, out, problem, found)

@@ -45,53 +45,53 @@ _ZONES = 16
 def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
     out = job.opened(job.target, (".model.toml", *TABLES, ".png", ".csv"))
-    document = parse_document(given.data, given.name, MoldDocument)
+    document = parse_document(given.data, given.case.model, MoldDocument)
     if given.case.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
-    if len(given.measured) != 1:
+    if len(given.case.readings) != 1:
         raise UsageError("--measured takes one file of thermocouples for a mold: one run, a column a probe")
     if document.run.steady:
         raise InputError(
             "a steady run has no times to compare at",
-            file=given.name,
+            file=given.case.model,
             key="run.steady",
             remedy="give until instead",
         )
     if document.production is not None:
         raise InputError(
             "close-loop does not follow pieces laid in and taken out",
-            file=given.name,
+            file=given.case.model,
             key="production",
             remedy="measure the mold without pieces, and take the table out",
         )
     probes = [probe.name for probe in document.probe]
-    read = read_thermocouples(job, given.measured[0], probes, given.layout)
+    read = read_thermocouples(job, given.case.readings[0], probes, given.layout)
     if any(heater.control is not None for heater in document.heater) and read.power is None:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
-            file=given.name,
+            file=given.case.model,
             key="heater.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
             'schedule = "power.csv" in place of control',
         )
     level = stated_size(given.case.noise, "temperature-difference")
-    builder = MoldBuilder(document, given.name, job.inputs)
+    builder = MoldBuilder(document, given.case.model, job.inputs)
     out.refuse_inputs(job.inputs)
     job.console.warn(*builder.doubts)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem = pose(job, document, given.name, builder, read, given.case.fix, given.surely)
+        problem = pose(job, document, given.case.model, builder, read, given.case.fix, given.surely)
         found, odd = looked_through(problem, close(problem, noise=level, tick=ticking(advance, 0.2)))
     job.console.warn(*odd)
     result = describe(problem, found, read.left_out, odd, domain="heat")
     fit = found.after.fit
     outside, anywhere = problem.temperatures(fit.x[: fit.own], fit.terms)
     reached = {True: outside, False: anywhere}
-    note_ranges(job, given.name, builder.tables, reached.__getitem__, problem.runs[0].clock[0])
+    note_ranges(job, given.case.model, builder.tables, reached.__getitem__, problem.runs[0].clock[0])
     say(job.console, problem, found, result)
     if out.wants_files:
         target = out.path(".model.toml")
-        folders = (os.path.dirname(given.name), str(target.parent))
+        folders = (os.path.dirname(given.case.model), str(target.parent))
         noise = float(np.min(found.noise.sd))
         files, notes = extend(given.data, document, problem, found.after.fit, out.path("").name, folders, noise)
         notes = [*notes, *written_otherwise(files, out, builder, problem, found)]

@@ -57,7 +57,7 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     beside = [f".model{suffix}" for suffix in SIBLINGS]
     out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
-    made = unchanged(earlier(PressCase, given.data, given.name))
+    made = unchanged(earlier(PressCase, given.data, given.case.model))
     files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
     kind = files.measured[0].kind
     if any(one.kind != kind for one in files.apart):
@@ -74,7 +74,7 @@ def run(job: Job, given: Given) -> int:
         for one in files.measured:
             if one.temperature is not None:
                 note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
-        check_unchanged(job, made, [*given.measured, *given.case.held])
+        check_unchanged(job, made, [*given.case.readings, *given.case.held])
         advance(0.15, "gaps over the stroke")
         problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)
     upstream = None

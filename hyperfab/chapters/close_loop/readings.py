@@ -107,11 +107,11 @@ def read_files(
 ) -> Files[F]:
     """Read every file, of ``quantities`` that ``--noise`` may state; InputError where there are too few readings."""
     found: Files[F] = Files([], level=stated(given.case.noise, quantities))
-    found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.measured)
+    found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.case.readings)
     if sum(len(one.values) for one in found.measured) < FEWEST:
         raise InputError(
             "has too few readings to tell noise from a residual",
-            file=given.measured[0],
+            file=given.case.readings[0],
             remedy=f"give {FEWEST} or more",
         )
     found.apart.extend(read(job, name, given.layout, found.left_out) for name in given.case.held)
