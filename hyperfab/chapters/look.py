@@ -15,6 +15,7 @@ from hyperfab.documents.material import Tested
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_tests import TestData
 from hyperfab.io.layout import Layout
+from hyperfab.io.units import quantity_of
 from hyperfab.numerics.doubt import Doubt
 from hyperfab.numerics.hygiene import look
 
@@ -62,6 +63,16 @@ def per_width(tests: Sequence[TestData], remedy: str) -> bool:
     if widths and other is not None:
         raise InputError(f"is in N/mm of width, {other} in MPa", file=widths[0], remedy=remedy)
     return bool(widths)
+
+
+def stated_noise(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
+    """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
+    if text is None:
+        return None
+    kind, value = quantity_of(text, kinds, option="--noise")
+    if value <= 0.0:
+        raise UsageError(f"--noise {text}: must be more than zero")
+    return kind, value
 
 
 def _said(group: Sequence[tuple[TestData, Doubt]]) -> str:

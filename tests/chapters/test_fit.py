@@ -205,6 +205,8 @@ def test_a_fit_that_is_not_accepted_is_written_and_ends_with_status_1(hf: Run) -
         ([*ALL, "--objective", "funny"], 2, "absolute"),
         ([*ALL, "--accept", "0"], 2, "0.30"),
         ([*ALL, "--thickness", "0.6"], 2, "mm"),
+        ([*ALL, "--noise", "0MPa"], 2, "--noise 0MPa: must be more than zero"),
+        ([*ALL, "--noise=-0.1MPa"], 2, "must be more than zero"),
         ([*ALL, "--uniaxial", f"{TRELOAR}/uniaxial.csv"], 2, "twice"),
         (["--uniaxial", f"{TRELOAR}/shear.csv", "--model", "gent"], 3, "shear"),
         (["--uniaxial", "nowhere.csv"], 3, "nowhere.csv"),

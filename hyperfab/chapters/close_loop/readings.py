@@ -14,11 +14,12 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.fit.prepare import broken
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.look import stated_noise
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.dictionary import plain
 from hyperfab.io.layout import Layout, filled_in
-from hyperfab.io.units import quantity, quantity_of
+from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
 from hyperfab.loop.no_worse import none_apart
@@ -106,7 +107,7 @@ def read_files(
     quantities: Sequence[str],
 ) -> Files[F]:
     """Read every file, of ``quantities`` that ``--noise`` may state; InputError where there are too few readings."""
-    found: Files[F] = Files([], level=stated(given.case.noise, quantities))
+    found: Files[F] = Files([], level=stated_noise(given.case.noise, quantities))
     found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.case.readings)
     if sum(len(one.values) for one in found.measured) < FEWEST:
         raise InputError(
@@ -120,19 +121,9 @@ def read_files(
     return found
 
 
-def stated(text: str | None, kinds: Sequence[str]) -> tuple[str, float] | None:
-    """Return the kind and size of ``--noise``, which states the reading of one of ``kinds``."""
-    if text is None:
-        return None
-    kind, value = quantity_of(text, kinds, option="--noise")
-    if value <= 0.0:
-        raise UsageError(f"--noise {text}: must be more than zero")
-    return kind, value
-
-
 def stated_size(text: str | None, kind: str) -> float | None:
     """Return the size of ``--noise`` where readings are of one ``kind``."""
-    told = stated(text, (kind,))
+    told = stated_noise(text, (kind,))
     return None if told is None else told[1]
 
 

@@ -18,7 +18,7 @@ from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.chapters.fit.specimens import aspect_warnings, geometry
 from hyperfab.chapters.fit.whole import WholeFit
 from hyperfab.chapters.job import Job
-from hyperfab.chapters.look import met_degC
+from hyperfab.chapters.look import met_degC, stated_noise
 from hyperfab.console import NEGATIVE_VERDICT
 from hyperfab.curve import TestCurve
 from hyperfab.documents.material import FitFigures, MaterialDocument, TestFigures
@@ -27,7 +27,6 @@ from hyperfab.io.layout import layout
 from hyperfab.io.output import Output
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.text import number_of_rows
-from hyperfab.io.units import quantity_of
 from hyperfab.materials import law, laws
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.identification.quality import Figures
@@ -50,7 +49,7 @@ def run(job: Job, case: FitCase) -> int:
         "volumetric": case.volumetric,
     }
     sizes, steps = geometry(case), steps_of(case)
-    noise = _stress(case.noise, "--noise", sizes)
+    noise = _noise(case.noise, sizes)
     told: list[str] = []
     tests = read_all(job, named, sizes, layout(case.columns, case.skip_rows, case.decimal), told)
     out.refuse_inputs(job.inputs)
@@ -205,11 +204,12 @@ def _tell_table(job: Job, name: str, levelled: float) -> None:
     )
 
 
-def _stress(text: str | None, option: str, sizes: Geometry) -> float | None:
-    """Return a stress [MPa], given as such or as force per width [N/mm] (over the thickness, where it is known)."""
-    if text is None:
+def _noise(text: str | None, sizes: Geometry) -> float | None:
+    """Return a noise [MPa] stated as a stress, or as force per width (over the thickness, where it is known)."""
+    told = stated_noise(text, ("stress", "membrane-stress"))
+    if told is None:
         return None
-    kind, value = quantity_of(text, ("stress", "membrane-stress"), option=option)
+    kind, value = told
     return value if kind == "stress" else value / (sizes.thickness or 1.0)
 
 
