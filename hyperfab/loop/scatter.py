@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from scipy.special import chdtrc
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise_estimate import ASSUMED, USUAL, third_differences, winsorised
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import FEWEST, MARGIN
+from hyperfab.loop.thresholds import FEWEST, MARGIN, UNLIKELY
 
 #: Neighbours a plane is laid through.
 _NEIGHBOURS = 9
@@ -70,6 +71,43 @@ def loudness(guesses: Sequence[Guess], top: float) -> tuple[Array, float]:
     mean = squares @ chance
     whole = float(np.sum(squares * ratios**2 @ chance))
     return np.sqrt(mean), float(np.sqrt(whole / max(np.sum(mean), 1e-300)))
+
+
+def levels(measured: Array, group: Sequence[tuple[Ints, Guess]]) -> list[tuple[Ints, Array, float]]:
+    """Return rows, standard deviation of each, and its degrees of freedom for files of one kind, by their guesses.
+
+    Files whose noise differs by no more than chance have one.
+    """
+    every = np.concatenate([rows for rows, _ in group])
+    top = float(np.max(np.abs(measured[every]), initial=0.0))
+    sizes, ratio = loudness([guess for _, guess in group], top)
+    dof = np.array([guess.dof for _, guess in group])
+
+    def shaped(rows: Ints, size: float) -> Array:
+        return np.asarray(size * np.hypot(1.0, ratio * measured[rows] / max(top, 1e-300)))
+
+    if alike(sizes, dof):
+        size = float(np.sqrt(np.average(sizes**2, weights=dof)))
+        return [(every, shaped(every, size), float(dof.sum()))]
+    return [(rows, shaped(rows, size), guess.dof) for (rows, guess), size in zip(group, sizes, strict=True)]
+
+
+def alike(sizes: Array, dof: Array) -> bool:
+    """Return whether standard deviations (n,), known with ``dof`` degrees of freedom, differ by no more than chance.
+
+    Bartlett (1937), Proc. R. Soc. A 160, 268.
+
+    >>> alike(np.array([1.0, 1.1, 0.9]), np.array([20.0, 20.0, 20.0]))
+    True
+    >>> alike(np.array([1.0, 5.0]), np.array([20.0, 20.0]))
+    False
+    """
+    if len(sizes) < 2:
+        return False
+    whole = float(dof.sum())
+    gap = whole * np.log(np.average(sizes**2, weights=dof)) - float(dof @ np.log(sizes**2))
+    share = 1.0 + (float(np.sum(1.0 / dof)) - 1.0 / whole) / (3.0 * (len(sizes) - 1.0))
+    return float(chdtrc(len(sizes) - 1.0, gap / share)) > UNLIKELY
 
 
 def likely_ratios(guesses: Sequence[Guess], top: float) -> Array:

@@ -121,7 +121,7 @@ def alike(p: float) -> bool:
         return float(chi2.sf(gap / (1.0 + (0.1 - 0.025) / 3.0), 1))
 
     ratio = brentq(lambda one: np.log(chance(one) / p), 1.01, 20.0)
-    return readings.alike(np.array([1.0, ratio]), dof)
+    return scatter.alike(np.array([1.0, ratio]), dof)
 
 
 def pair(gain: float, offset: float = 0.0) -> tuple[Any, Noise, float]:

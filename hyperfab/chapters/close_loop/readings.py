@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Generic
 
 import numpy as np
-from scipy.special import chdtrc
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.close_loop.domain import Given
@@ -26,8 +25,8 @@ from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, loudness
-from hyperfab.loop.thresholds import FEWEST, UNLIKELY
+from hyperfab.loop.scatter import Guess, levels
+from hyperfab.loop.thresholds import FEWEST
 from hyperfab.numerics.doubt import leap
 from hyperfab.numerics.hygiene import look
 from hyperfab.numerics.spikes import off_in_hold
@@ -94,7 +93,7 @@ class Files(Generic[F]):
             source = source or how
             count += len(rows)
         for group in guessed.values():
-            for rows, size, known in _loudness(problem.measured, group):
+            for rows, size, known in levels(problem.measured, group):
                 sd[rows] = size
                 unsure += len(rows) ** 2 / known
         return among_specimens(problem, Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source))
@@ -251,40 +250,6 @@ def set_apart(problem: Any, files: Sequence[File]) -> Apart:
     for one in files:
         problem = problem.with_reading(one)
     return Apart(problem, slice(len(problem.measured) - len(values), None), values)
-
-
-def _loudness(measured: Array, group: Sequence[tuple[Ints, Guess]]) -> list[tuple[Ints, Array, float]]:
-    """Return rows, standard deviation of each, and its degrees of freedom for files of one kind."""
-    every = np.concatenate([rows for rows, _ in group])
-    top = float(np.max(np.abs(measured[every]), initial=0.0))
-    sizes, ratio = loudness([guess for _, guess in group], top)
-    dof = np.array([guess.dof for _, guess in group])
-
-    def shaped(rows: Ints, size: float) -> Array:
-        return np.asarray(size * np.hypot(1.0, ratio * measured[rows] / max(top, 1e-300)))
-
-    if alike(sizes, dof):
-        size = float(np.sqrt(np.average(sizes**2, weights=dof)))
-        return [(every, shaped(every, size), float(dof.sum()))]
-    return [(rows, shaped(rows, size), guess.dof) for (rows, guess), size in zip(group, sizes, strict=True)]
-
-
-def alike(sizes: Array, dof: Array) -> bool:
-    """Return whether standard deviations (n,), known with ``dof`` degrees of freedom, differ by no more than chance.
-
-    Bartlett (1937), Proc. R. Soc. A 160, 268.
-
-    >>> alike(np.array([1.0, 1.1, 0.9]), np.array([20.0, 20.0, 20.0]))
-    True
-    >>> alike(np.array([1.0, 5.0]), np.array([20.0, 20.0]))
-    False
-    """
-    if len(sizes) < 2:
-        return False
-    whole = float(dof.sum())
-    gap = whole * np.log(np.average(sizes**2, weights=dof)) - float(dof @ np.log(sizes**2))
-    share = 1.0 + (float(np.sum(1.0 / dof)) - 1.0 / whole) / (3.0 * (len(sizes) - 1.0))
-    return float(chdtrc(len(sizes) - 1.0, gap / share)) > UNLIKELY
 
 
 @dataclass(frozen=True)
