@@ -117,6 +117,8 @@ class Sphere:
 
 #: Closer to an edge or corner than this part of the punch's size the direction to it is lost in rounding.
 _CLOSE = 1e-9
+#: Mirrored points lie on the surface to this part of its size: what single precision in an STL file leaves.
+_MIRRORED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -198,6 +200,21 @@ class Facets:
         cut = a + part[:, None] * (b - a)
         cut[:, 2] = 0.0
         return np.concatenate([vertices[vertices[:, 2] > 0.0], cut])
+
+    def is_mirrored(self, depth: float) -> bool:
+        """Whether what rises above the sheet, pushed in by ``depth`` [mm], is its own mirror image in x and in y."""
+        surface = self.surface
+        corners = surface.vertices[surface.faces] + self.shift + np.array([0.0, 0.0, depth])
+        risen = corners[corners[:, :, 2].max(axis=1) > 0.0]
+        seen = np.concatenate(
+            [risen.reshape(-1, 3), risen.mean(axis=1), 0.5 * (risen + np.roll(risen, 1, axis=1)).reshape(-1, 3)]
+        )
+        seen = seen[seen[:, 2] > 0.0]
+        limit = _MIRRORED * self.size
+        return all(
+            bool(np.abs(self.near(seen * mirror, depth).gap).max(initial=0.0) <= limit)
+            for mirror in (np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0]))
+        )
 
     @cached_property
     def size(self) -> float:

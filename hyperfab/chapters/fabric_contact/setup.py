@@ -127,7 +127,7 @@ def setup_of(case: ContactCase, geometry: Geometry, fabric: Fabric) -> Setup:
         radius = 0.5 * float(np.ptp(geometry.facets.above(case.depth)[:, :2], axis=0).min())
         if case.edge_radius is not None:
             _within(case.edge_radius, 0.01 * radius, 0.5 * radius, f"--edge-radius {case.edge_radius:g}mm")
-        if not symmetric(geometry.facets, case.depth):
+        if not geometry.facets.is_mirrored(case.depth):
             outline = whole
     mesh = case.mesh_size or _MESH * narrow / 2
     if not narrow / 400 <= mesh <= narrow / 6:
@@ -185,23 +185,3 @@ def check_punch(punch: Facets, outline: Outline, prestretch: float, depth: float
         file=name,
         remedy="choose a smaller --depth or punch, or a larger sheet",
     )
-
-
-def symmetric(punch: Facets, depth: float) -> bool:
-    """Whether what rises above the sheet's plane is its own mirror image in x and in y."""
-    surface = punch.surface
-    corners = surface.vertices[surface.faces] + punch.shift + np.array([0.0, 0.0, depth])
-    risen = corners[corners[:, :, 2].max(axis=1) > 0.0]
-    seen = np.concatenate(
-        [risen.reshape(-1, 3), risen.mean(axis=1), 0.5 * (risen + np.roll(risen, 1, axis=1)).reshape(-1, 3)]
-    )
-    seen = seen[seen[:, 2] > 0.0]
-    limit = _MIRRORED * punch.size
-    return all(
-        bool(np.abs(punch.near(seen * mirror, depth).gap).max(initial=0.0) <= limit)
-        for mirror in (np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, 1.0]))
-    )
-
-
-#: Mirrored points lie on the surface to this part of its size: what single precision in an STL file leaves.
-_MIRRORED = 1e-6
