@@ -45,7 +45,7 @@ _SLIGHT = 0.05
 class FoamFit(WholeFit[Hyperfoam]):
     """The energy of a foam; pulling and pressing are told apart. ``flat`` is a plateau that no stable law has."""
 
-    flat: Plateau | None = None
+    flat: Plateau | None
 
     @property
     def name(self) -> str:

@@ -57,7 +57,7 @@ _TURNED = {
 class SheetFit(WholeFit[Orthotropic]):
     """The energy of a sheet; a direction is a view of it. ``optima`` are the fits at each temperature."""
 
-    optima: tuple[Found, ...] = ()
+    optima: tuple[Found, ...]
 
     @property
     def name(self) -> str:

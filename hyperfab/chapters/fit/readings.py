@@ -20,7 +20,7 @@ from hyperfab.io.layout import Layout
 from hyperfab.io.specimen import Geometry
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.identification.quality import Figures, figures
-from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
+from hyperfab.materials.modes import SIMPLE_SHEAR
 from hyperfab.numerics.hygiene import ZERO
 
 if TYPE_CHECKING:
@@ -107,9 +107,9 @@ def gather(
     tests: Sequence[TestData],
     steps: Steps,
     relative: bool,
-    kinds: Sequence[str] = OF_A_SHEET,
-    sheet: bool = True,
-    noise: float | None = None,
+    kinds: Sequence[str],
+    sheet: bool,
+    noise: float | None,
 ) -> Readings:
     """Return the curves of ``tests``: nominal stress in MPa, one temperature each, after ``steps``.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Generic, TypeVar
 
 import numpy as np
@@ -52,7 +52,7 @@ class WholeFit(ABC, Generic[EnergyT]):
     reference: int
     curves: Sequence[TestCurve]
     setting: Setting
-    undetermined: list[Undetermined] = field(default_factory=list)
+    undetermined: list[Undetermined]
 
     @property
     @abstractmethod
