@@ -93,7 +93,8 @@ def settings(case):
     )
 
 
-def stepped(case, steps):
+def stepped(case, steps, shares=(1.0,)):
+    """Each point of the faces stands as several, of these shares of its area."""
     numbers, film, changes, scale, extra, grey = settings(case)
     # Steps that grow: what is kept from one step to the next must notice.
     grid = END * np.linspace(0.0, 1.0, steps + 1) ** 1.2
@@ -102,7 +103,8 @@ def stepped(case, steps):
     parts = Parts(MASSES, STIFFNESSES, MEANS, changes, JOINED, np.array([6.0]), JUMP[None], at(closed), MEAN)
     first = np.array([0, len(film[0]), len(film[0]) + 1, len(film[0]) + 2])
     knots, values = (np.concatenate([row, [0.0, 0.0]]) for row in film)
-    faces = Faces(ROWS, WEIGHTS, OWNER, scale, extra, grey, at(air), knots, values, first)
+    rows, owner = (np.repeat(of, len(shares), axis=0) for of in (ROWS, OWNER))
+    faces = Faces(rows, np.outer(WEIGHTS, shares).ravel(), owner, scale, extra, grey, at(air), knots, values, first)
     start = np.array([30.0, 25.0, 40.0])
     states, slopes = march(grid, start, parts, faces, SOURCES, at(powers), Numbers(**numbers))
     return states, slopes
@@ -153,6 +155,15 @@ def test_steps_follow_the_equation(name):
     states, slopes = stepped(CASES[name], 100)
     np.testing.assert_allclose(states[-1], exact, atol=5e-5 * rise)
     np.testing.assert_allclose(slopes[-1], slope, atol=2e-3 * np.abs(slope).max())
+
+
+@pytest.mark.parametrize("count", [2, 3, 5])
+def test_points_may_stand_as_several(count):
+    """More of them than go into the tangent at once, and some that are left."""
+    shares = np.arange(1.0, count + 1.0) / np.arange(1.0, count + 1.0).sum()
+    case = CASES["radiates to warmer surroundings"]
+    for one, several in zip(stepped(case, 20), stepped(case, 20, shares), strict=True):
+        np.testing.assert_allclose(several, one, rtol=1e-11)
 
 
 def test_steps_close_in_with_their_square():
