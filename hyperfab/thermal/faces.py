@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.errors import InputError
@@ -76,6 +78,23 @@ class Faces:
         found = np.zeros(len(self.mesh.facets.element), dtype=bool)
         for body in self.geometry.cavities:
             found |= self._on_body(body)
+        return found
+
+    @cached_property
+    def closed_in(self) -> Flags:
+        """Outer facets that no way leads to from outside: the walls of voids, which look away from the material."""
+        outer = np.flatnonzero(self.mesh.facets.outer)
+        corners = self._corners[outer]
+        # By place: at a joint that may jump in temperature each side has nodes of its own.
+        _, node = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+        node = node.reshape(-1, 3)
+        ends = node[:, :2].ravel(), node[:, 1:].ravel()
+        graph = coo_matrix((np.ones(len(ends[0])), ends), shape=(int(node.max()) + 1,) * 2)
+        wall = connected_components(graph, directed=False)[1][node[:, 0]]
+        around = corners - corners.mean(axis=(0, 1))
+        volumes = np.bincount(wall, np.linalg.det(around))
+        found = np.zeros(len(self.mesh.facets.element), dtype=bool)
+        found[outer] = volumes[wall] < 0.0
         return found
 
     @cached_property

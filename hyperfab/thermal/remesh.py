@@ -96,6 +96,31 @@ def remesh_surface(
     return best
 
 
+def as_given(volumes: Array, geometry: Geometry) -> Array:
+    """Return the volume of each part [mm^3] by the surfaces that coarser ones stand for, of its ``volumes`` by these.
+
+    A cavity is taken from the first part that holds its middle; bodies count as if none of a part overlapped.
+    """
+    found = volumes.copy()
+    bounds = [part.bounds for part in geometry.parts]
+    for number, part in enumerate(geometry.parts):
+        found[number] += _gained(part)
+    for cavity in geometry.cavities:
+        middle = np.mean(cavity.bounds, axis=0)
+        holds = [bool(np.all((low <= middle) & (middle <= high))) for low, high in bounds]
+        if any(holds):
+            found[holds.index(True)] -= _gained(cavity)
+    return found
+
+
+def _gained(body: Body) -> float:
+    """Return by how much the surfaces given hold more than the coarser ones [mm^3]."""
+    pairs = [(one.fine, one) for one in body.shapes if isinstance(one, Stl) and one.fine is not None]
+    corners = [[of.vertices[of.triangles] for of in pair] for pair in pairs]
+    fine, coarse = (sum(float(np.linalg.det(pair[i]).sum()) for pair in corners) for i in (0, 1))
+    return (fine - coarse) / 6.0
+
+
 def laid_back(raw: RawMesh, geometry: Geometry) -> RawMesh:
     """Move the nodes on coarser STL surfaces onto the surfaces these stand for.
 

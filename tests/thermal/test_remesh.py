@@ -9,7 +9,7 @@ from hyperfab.thermal import elements
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Geometry, Stl
 from hyperfab.thermal.mesh import build_mesh
 from hyperfab.thermal.mesher import make_mesh
-from hyperfab.thermal.remesh import laid_back, remesh_surface
+from hyperfab.thermal.remesh import as_given, laid_back, remesh_surface
 
 RADIUS = 30.0
 
@@ -49,6 +49,22 @@ def test_a_part_keeps_the_volume_of_its_stl(ball):
     outer = np.unique(mesh.facet_nodes(mesh.facets.outer))
     radius = np.linalg.norm(mesh.points[outer], axis=1) * 1e3
     np.testing.assert_allclose(radius, RADIUS, atol=0.01)  # the sagitta of the given facets
+
+
+def test_parts_hold_what_the_given_surfaces_hold():
+    """A ball of twenty facets that stands for one of a thousand, with such a hole, beside a box."""
+    import trimesh
+
+    def rough(radius):
+        balls = [trimesh.creation.icosphere(n, radius=radius) for n in (0, 3)]
+        coarse, fine = (Stl(np.asarray(one.vertices), np.asarray(one.faces, dtype=np.int64)) for one in balls)
+        return Stl(coarse.vertices, coarse.triangles, fine=fine), *(one.volume for one in balls)
+
+    (ball, flat, round_), (hole, flat_hole, round_hole) = rough(30.0), rough(10.0)
+    box = Body("box", (Box((100.0, 0.0, 0.0), (10.0, 10.0, 10.0)),))
+    geometry = Geometry((box, Body("ball", (ball,))), (Body("hole", (hole,)),))
+    found = as_given(np.array([1000.0, flat - flat_hole]), geometry)
+    np.testing.assert_allclose(found, [1000.0, round_ - round_hole], rtol=1e-12)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ class Placing:
     """Places the conditions of ``document`` (file ``name``) on ``faces``.
 
     ``joints`` are the interfaces of its contacts, ``functions`` its tables by key. ``areas`` collects the area each
-    condition acts on [mm^2].
+    condition acts on [mm^2], ``notes`` what is to be told of where conditions act.
     """
 
     document: MoldDocument
@@ -38,6 +38,7 @@ class Placing:
     def __post_init__(self) -> None:
         self.mesh = self.faces.mesh
         self.areas: dict[str, float] = {}
+        self.notes: set[str] = set()
         #: Facets that pieces of a production cover, and the films on them, which act while they are bare.
         self.covered = np.zeros(len(self.mesh.facets.element), dtype=bool)
         self.bare: list[Switched] = []
@@ -94,7 +95,8 @@ class Placing:
         exposed = outer & ~self.faces.cavity & ~self.held
         for mask in taken.values():
             exposed &= ~mask
-        self.exposed = exposed
+        self.exposed = exposed & ~self.faces.closed_in
+        self._shut = exposed & self.faces.closed_in
         by_key = dict(explicit)
         heaters = enumerate(document.heater)
         conditions: list[Condition] = [self._heater(number, heater, by_key) for number, heater in heaters]
@@ -192,6 +194,11 @@ class Placing:
                     remedy="take the table out, or name its faces",
                 )
             mask |= self.exposed
+            if self._shut.any():
+                area = 1e4 * float(self.faces.areas[self._shut].sum())
+                self.notes.add(
+                    f"{area:.3g} cm^2 of walls that are closed in see no air: not exposed, they count as insulated"
+                )
         return mask
 
     def refuse_overlap(self, masks: list[tuple[str, Flags]]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import psutil
@@ -20,7 +21,7 @@ from hyperfab.thermal.mesher import (
     expected_tetrahedra,
     make_mesh,
 )
-from hyperfab.thermal.remesh import laid_back, remesh_surface, standing_for
+from hyperfab.thermal.remesh import as_given, laid_back, remesh_surface, standing_for
 from hyperfab.thermal.repair import crossing
 
 
@@ -108,7 +109,10 @@ def mesh_mold(
     try:
         with placed(file, "part"):
             coarser = _coarsened(geometry, mesh_size, notes, waiting)
-            return coarser, laid_back(make_mesh(coarser, mesh_size, waiting=waiting, built=built), coarser)
+            raw = make_mesh(
+                coarser, mesh_size, waiting=waiting, built=lambda volumes: built(as_given(volumes, coarser))
+            )
+            return coarser, laid_back(replace(raw, volumes=as_given(raw.volumes, coarser)), coarser)
     except NotConverged:
         _refuse_crossing(geometry, file)
         raise

@@ -129,6 +129,7 @@ class MoldBuilder:
         prescribed = placing.prescribed()
         materials = [self.materials[part.material] for part in document.part]
         conditions = placing.conditions()
+        notes += placing.notes
         pieces = None if laid is None else laid[1](placing, mesh)
         if pieces is not None:
             conditions.append(pieces.lying)
