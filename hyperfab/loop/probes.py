@@ -1,9 +1,9 @@
-"""Is it the log that is wrong? Two probes of a mold that were plugged in crosswise, or one that is alone at fault."""
+"""Is it the log that is wrong? Probes of a mold that were plugged in crosswise, its clock, one probe alone at fault."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
 from itertools import combinations
 
 import numpy as np
@@ -15,7 +15,7 @@ from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.judge import common_bic, structured
-from hyperfab.loop.problem import Curve
+from hyperfab.loop.problem import Constant, Curve, Form, split
 from hyperfab.loop.thresholds import SHARE, SMALL
 
 #: Steps of a fit to a log put right: it either leaves noise soon or is not right.
@@ -23,6 +23,9 @@ _STEPS = 12
 #: A log begins with the run where it does within this share of it; it begins elsewhere where it is off by so many
 #: standard deviations of what is known of the start.
 _SOON, _FAR = 0.01, 9.0
+#: How far a log's clock may be off, as a share of the run (where it begins) and of itself (how fast it goes), and one
+#: standard deviation of that.
+_OFF, _OFF_SD = 0.3, 0.1
 #: Ways a probe alone may be off, where that is more and where it is less than it ought to be.
 _WAYS = (
     ("reads {:.3g} K too much throughout", "reads {:.3g} K too little throughout"),
@@ -38,25 +41,78 @@ def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[
     """Return the finding, and what is told of the log itself where the model without effects does not explain it.
 
     Where two probes exchanged leave noise, with nothing added and the constants where they may be, nothing is named: an
-    effect would only stand in for them.
+    effect would only stand in for them. Nor where nothing explains the log but a clock put right.
     """
     if found.verdict == "noise":
         return found, []
+    was = _rms(problem.measured - found.before.fit.predicted)
+    bare = replace(found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[])
     crossed = _crossed(problem, found)
     if crossed is not None:
         one, other, better = crossed
-        bare = replace(
-            found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[]
-        )
-        left = problem.measured - found.before.fit.predicted
-        was, now = (float(np.sqrt(np.mean(one**2))) for one in (left, better))
         return bare, [
             f"{one} and {other} look exchanged: with the columns of the two the other way round the model misses by "
-            f"{now:.3g} K with nothing added, {was:.3g} K as they are; check which probe is where, and exchange them"
+            f"{_rms(better):.3g} K with nothing added, {was:.3g} K as they are; "
+            "check which probe is where, and exchange them"
         ]
     if found.verdict != "unexplained":
         return found, []
+    clock = _clock(problem, found)
+    if clock is not None:
+        return bare, [
+            f"{clock[0]}: with its times put right the model misses by {_rms(clock[1]):.3g} K with nothing added, "
+            f"{was:.3g} K as they are; check its clock, and when it was started"
+        ]
     return found, [*_begun(problem), *_alone(problem, found)]
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+@dataclass(kw_only=True)
+class _Timed(HeatProblem):
+    """A mold with a log that keeps a time of its own: last of its constants is by how much."""
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        off = {constant.name: float(value) for constant, value in zip(self.own, own, strict=True)}
+        runs = []
+        for run in self.runs:
+            times = run.times / (1.0 + off.get("log.fast", 0.0)) + off.get("log.late_s", 0.0)
+            # Before the run begins the mold is at rest.
+            runs.append(replace(run, times=np.maximum(times, min(0.0, float(run.times[0])))))
+        return replace(self, runs=runs)._run(own[None, :], [terms])[0]
+
+    def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
+        return np.array([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
+
+
+def _clock(problem: HeatProblem, found: Finding) -> tuple[str, Array] | None:
+    """Return how the log's clock is off that, put right, leaves noise, and what is left [K] then.
+
+    Under one steady power a clock that is too fast is a mold that is lighter: the constants take it.
+    """
+    if structured(found.before.fit, problem, found.noise) <= SMALL:
+        return None
+    whole = float(np.ptp(problem.runs[0].times))
+    late = Constant("log.late_s", 0.0, -_OFF * whole, _OFF * whole, 0.01 * whole, _OFF_SD * whole)
+    fast = Constant("log.fast", 0.0, -_OFF, _OFF, 0.01, _OFF_SD)
+    for moved in ((late,), (fast,), (late, fast)):
+        given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
+        timed = _Timed(**given | {"own": (*problem.own, *moved)})
+        again = fit(timed, found.noise, {}, timed.given, data=problem.measured, iterations=_STEPS)
+        if is_strained(timed, again) or structured(again, timed, found.noise) > SMALL:
+            continue
+        off = dict(zip((one.name for one in moved), again.x[len(problem.own) :].tolist(), strict=True))
+        told = []
+        if "log.late_s" in off:
+            seconds = off["log.late_s"]
+            told.append(f"began {abs(seconds):.3g} s {'after' if seconds > 0.0 else 'before'} the run")
+        if "log.fast" in off:
+            share = off["log.fast"]
+            told.append(f"runs {100.0 * abs(share):.3g} % too {'fast' if share > 0.0 else 'slowly'}")
+        return f"the log's clock looks wrong: it {' and '.join(told)}", problem.measured - again.predicted
+    return None
 
 
 def _begun(problem: HeatProblem) -> Iterator[str]:

@@ -20,6 +20,7 @@ from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.probes import looked_through
 from hyperfab.loop.search import Search
+from hyperfab.thermal.tables import Table
 
 NOISE = 0.2
 BAR = """format = "hyperfab.mold/1"
@@ -59,6 +60,10 @@ def bar() -> HeatProblem:
 def told(change: str) -> list[str]:
     """Return what is told of a log of the bar with its constants a little off and something done to it."""
     posed, rng = bar(), np.random.default_rng(4)
+    if change == "fast":  # and the heater goes off half way: else the heat capacity passes for the clock
+        run, off = posed.runs[0], Table(np.array([0.0, 1500.0, 1501.0, 4000.0]), np.array([25.0, 25.0, 0.0, 0.0]))
+        mold = replace(run.mold, heaters=[(run.mold.heaters[0][0], off)], corners=(1500.0, 1501.0))
+        posed = replace(posed, runs=[replace(run, mold=mold)])
     own = np.array([one.value + 0.3 * one.prior_sd * (-1.0) ** k for k, one in enumerate(posed.own)])
     if change == "warm":
         own[posed.kinds.index("start")] = 25.0
@@ -69,6 +74,10 @@ def told(change: str) -> list[str]:
         rows[[1, 3]] = rows[[3, 1]]
     if change in ("offset", "offset, noise told too small"):
         rows[2] -= 4.0
+    if change == "begun before":
+        rows = np.array([np.interp(np.arange(61) - 2.0, np.arange(61), row) for row in rows])
+    if change == "fast":
+        rows = np.array([np.interp(np.arange(61) / 1.08, np.arange(61), row) for row in rows])
     if change == "early":
         rows[0] = np.interp(np.arange(61) + 1.0, np.arange(61), rows[0])
     problem = replace(posed, measured=rows.ravel())
@@ -85,6 +94,8 @@ def told(change: str) -> list[str]:
         ("offset, noise told too small", ("T3 alone is at odds", "K too little throughout")),
         ("early", ("T1 alone is at odds", "s early")),
         ("warm", ("the log begins 25 K warmer",)),
+        ("begun before", ("clock looks wrong: it began 1", "s before the run: with its times put right")),
+        ("fast", ("clock looks wrong: it runs 8", "% too fast: with its times put right")),
         ("lag", ()),
     ],
 )
