@@ -828,11 +828,20 @@ control = { probe = "centre", set = "60 degC", band = "4 K" }
     assert 100.0 in document["switches_s"]  # the fresh block is cold: on at once
 
 
-def test_a_part_is_fresh_where_its_contact_closes_at_the_very_start(tmp_path):
-    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n1,1\n600,1\n")
+@pytest.mark.parametrize("first", ["0,0\n1,1", "0,1", "5,1"])
+def test_a_part_is_fresh_where_its_contact_closes_at_the_very_start(tmp_path, first):
+    (tmp_path / "closed.csv").write_text(f"time [s],contact [-]\n{first}\n600,1\n")
     run = RUN.replace('"25 degC"', '"200 degC"').replace('"300 s"', '"600 s"')
     _, document, _ = heat(tmp_path, HEAD + BLOCK.replace("START", "") + JOINT + PROBE + run)
     assert document["probes"]["centre"]["final_degC"] == pytest.approx(110.0, abs=0.1)
+
+
+def test_a_part_that_lies_closed_begins_as_its_start_says(tmp_path):
+    (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,1\n600,1\n")
+    run = RUN.replace('"25 degC"', '"200 degC"').replace('"300 s"', '"600 s"')
+    block = BLOCK.replace("START", 'start = "100 degC"')
+    _, document, _ = heat(tmp_path, HEAD + block + JOINT + PROBE + run)
+    assert document["probes"]["centre"]["final_degC"] == pytest.approx(150.0, abs=0.1)
 
 
 def test_a_thermostat_whose_probe_is_held_hot_from_the_start_stays_off(tmp_path):

@@ -240,6 +240,13 @@ class MoldBuilder:
             closed = self.functions[f"contact.{number}"]
             opened = np.flatnonzero((closed.y[:-1] == 0.0) & (closed.y[1:] > 0.0))
             times = tuple(float(t) for t in closed.x[opened] if t >= 0.0)
+            # One that is closed as the run begins holds a new part too, unless something else says how that begins.
+            begun = (
+                isinstance(self.document.run.start, EarlierField)
+                or self.document.part[names.index(name)].start is not None
+            )
+            if float(closed(0.0)) > 0.0 and not begun:
+                times = (0.0, *times)
             found.append(Renewal(f"fresh {name}", nodes, contact.fresh, times))
         return found
 
