@@ -36,9 +36,11 @@ NEWTON_SOLVE = 1e-4
 SLOW = 0.02
 #: Uniform shifts that close the balance of a nonlinear stage; the second one is already tiny.
 BALANCINGS = 3
-NEWTON_STEPS = 40
+NEWTON_STEPS, STEADY_STEPS = 40, 120
 #: A step after which the residual is larger is halved so often, one after the other.
 MOST_HALVINGS = 6
+#: The bottom along a step towards the steady state is where the slope has fallen to this share, or after so many looks.
+FLAT, LOOKS = 1e-2, 30
 #: Least share of a step that is taken in a steady state whose conductivity depends on temperature.
 LEAST_SHARE = 0.1
 
@@ -166,7 +168,7 @@ class HeatModel:
         residual = change = np.zeros(0)
         halved, share = 0, 1.0
         lagged = not storage and self.medium.conduction_varies
-        for step in range(NEWTON_STEPS):
+        for step in range(NEWTON_STEPS if storage else STEADY_STEPS):
             if step == 0 or not self.linear:
                 residual = self._residual(stage, target, temperature)
             else:
@@ -174,6 +176,9 @@ class HeatModel:
             before, size = size, norm(residual)
             if step == 0:
                 goal = max(RESIDUAL * (size if reference is None else reference), ROUNDING * scale)
+            elif size > before and not (storage or self.linear or lagged):
+                temperature, residual = self._least(stage, target, temperature, change, residual)
+                size = norm(residual)
             elif size > before and not (self.linear or lagged) and halved < MOST_HALVINGS:
                 # A peak of the specific heat, that of melting, throws whole steps to and fro across it.
                 change *= 0.5
@@ -210,6 +215,30 @@ class HeatModel:
             f"the temperatures at {time:.6g} s did not settle (residual {size:.2g})",
             remedy="check film coefficients and material tables for jumps",
         )
+
+    def _least(
+        self, stage: StageEquation, target: Array, beyond: Array, change: Array, residual: Array
+    ) -> tuple[Array, Array]:
+        """Return where along the last ``change``, which led to ``beyond``, the bowl that the flow is the slope of is
+        deepest, and the residual there.
+
+        A film that jumps throws whole steps to and fro across the jump, and the residual's size says nothing there.
+        """
+        low, high, share = 0.0, 1.0, 1.0
+        slope = first = -float(dot(change, residual))
+        for _ in range(LOOKS):
+            if slope <= 0.0:
+                low = share
+            else:
+                high = share
+            if low == high:
+                break
+            share = 0.5 * (low + high)
+            residual = self._residual(stage, target, beyond - (1.0 - share) * change)
+            slope = -float(dot(change, residual))
+            if abs(slope) <= FLAT * first:
+                break
+        return beyond - (1.0 - share) * change, residual
 
     def solve_steady(self, time: float, guess: Array) -> tuple[Array, float]:
         """Solve f(time, T) = 0 from a guess with the held nodes set; the body must lose heat somewhere."""

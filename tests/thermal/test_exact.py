@@ -159,3 +159,20 @@ def test_specific_heat_that_rises_with_temperature_stores_exactly_the_enthalpy(b
     assert history.ledger.stored[-1] == pytest.approx(heat, rel=1e-12)
     assert history.states[-1].temperature.mean() == pytest.approx(warmed, rel=0.02)
     assert history.ledger.imbalance() < 1e-12
+
+
+def test_steady_fin_whose_film_jumps_where_it_passes_a_temperature(block):
+    """Two fins end to end, of 10 W/m^2/K where colder than 100 degC and of 80 beyond, that meet at x = 0.023."""
+    k, side, length, at, above = 300.0, 0.004, 0.06, 0.023, 75.0
+    cold, hot = (math.sqrt(4.0 * h / (k * side)) for h in (10.0, 80.0))
+    flux = k * above * cold * math.tanh(cold * (length - at))
+    tip = above / math.cosh(cold * (length - at))
+    root = above * math.cosh(hot * at) + flux / (k * hot) * math.sinh(hot * at)
+    heated = k * hot * above * math.sinh(hot * at) + flux * math.cosh(hot * at)
+    film = Table(np.array([0.0, 100.0, 100.0005, 300.0]), np.array([10.0, 10.0, 80.0, 80.0]))
+    fin = block((length, side, side), (30, 2, 2), k=k).flux("x-", heated)
+    for way in ("y-", "y+", "z-", "z+"):
+        fin.film(way, film, 25.0)
+    temperature = steady(fin.model(), 25.0)
+    assert temperature[fin.node(0, 0, 0)] == pytest.approx(25.0 + root, abs=0.1)
+    assert temperature[fin.node(length, 0, 0)] == pytest.approx(25.0 + tip, abs=0.1)
