@@ -47,6 +47,7 @@ def lift_of(
     methods for model reduction.
     """
     origin = state.temperature
+    most = min(most, len(origin))  # more than that are told apart by rounding alone
     capacity = model.pattern.matrix(model.medium.capacity(origin))
     first = max(len(history.states) - SNAPSHOTS, history.jumps[0] - 2, 1)
     columns, lengths, seen = [], [], []

@@ -39,8 +39,9 @@ TRIES = 5
 FIRST, FIRST_OF_LONG = 3, 4
 #: Share of it that may be used up at the beginning; the rest comes with the time.
 HEAD_START = 0.25
-#: Smaller molds are followed in full, and so is what is left where it has fewer stretches than this.
-SMALLEST, FEWEST = 2000, 8
+#: What is left is followed in full where it has fewer stretches than this; on molds smaller than that, where steps are
+#: cheap and a basis is as dear as some hundred of them, than ``MANY``.
+SMALLEST, FEWEST, MANY = 2000, 8, 300
 #: A stretch of fewer steps belongs to the next, and so many at most.
 SETTLED, TOGETHER = 4, 8
 #: Share of what is left of ``MOST``, and of that one kind's part, that stretches to come may take without what a check
@@ -248,8 +249,7 @@ class Shortcut:
             return False
         if self.always:
             return True
-        many = self.until - now >= FEWEST * duration(history, now)
-        return many and int(self.model.free.sum()) >= SMALLEST
+        return self.until - now >= _fewest(self.model) * duration(history, now)
 
     def _reduce(self, history: History, state: State) -> View:
         """Return the mold in the coordinates of a basis about ``state``."""
@@ -364,7 +364,11 @@ def _follows_a_clock(full: View) -> bool:
 
 def is_long(model: HeatModel, history: History) -> bool:
     """Whether a run in full had so many stretches and unknowns that a shortcut would have paid."""
-    return len(history.jumps) >= FEWEST + 3 and int(model.free.sum()) >= SMALLEST
+    return len(history.jumps) >= _fewest(model) + 3
+
+
+def _fewest(model: HeatModel) -> int:
+    return FEWEST if int(model.free.sum()) >= SMALLEST else MANY
 
 
 def shortcut_for(

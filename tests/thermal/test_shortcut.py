@@ -38,6 +38,27 @@ def apart(one, other, sensors, until):
     return max(float(np.abs(curve(one, s, times) - curve(other, s, times)).max()) for s in sensors)
 
 
+@pytest.mark.parametrize(("until", "short"), [(15.0, False), (75.0, True)])
+def test_a_small_mold_takes_the_short_cut_where_it_switches_often(block, until, short):
+    """Some 0.18 s from one switching to the next; a basis costs as much as some hundred of its steps.
+
+    Its 27 unknowns are all that the basis may have: more vectors would be told apart by rounding alone.
+    """
+    lump = block((0.1, 0.1, 0.05), (1, 1, 1), k=200.0, rho=2700.0, cp=900.0).flux("z-", 3e4).film("z+", 150.0, 20.0)
+    model, other = lump.model(), lump.model()
+    sensor, nodes = point(model, 0), np.arange(model.size)
+    start, schedule = np.full(model.size, 99.0), Schedule(until, (), 0.01)
+
+    def followed(of, wanted):
+        thermostats = [Thermostat(of.heaters[0], sensor, 100.0, 0.1)]
+        return follow(of, start, schedule, thermostats, nodes, wanted=wanted)[0]
+
+    history, full = followed(model, None), followed(other, False)
+    assert (history.reduced is not None) is short
+    assert (len(full.switches) > 300) is short
+    assert apart(history, full, [sensor], until) < 0.05
+
+
 def test_relay_cycle_of_a_lump_has_the_period_of_the_closed_form(block):
     lump = block((0.1, 0.1, 0.05), (2, 2, 2), k=1e8, rho=2700.0, cp=900.0).flux("z-", 3e4)
     for way in ("x-", "x+", "z+"):
