@@ -245,7 +245,7 @@ class MoldBuilder:
                 isinstance(self.document.run.start, EarlierField)
                 or self.document.part[names.index(name)].start is not None
             )
-            if float(closed(0.0)) > 0.0 and not begun:
+            if closed.at(0.0) > 0.0 and not begun:
                 times = (0.0, *times)
             found.append(Renewal(f"fresh {name}", nodes, contact.fresh, times))
         return found
