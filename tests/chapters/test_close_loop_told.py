@@ -15,6 +15,7 @@ import pytest
 from conftest import Run
 
 from hyperfab.chapters.close_loop.describe import _candidates
+from hyperfab.chapters.close_loop.fabric import _falls
 from hyperfab.chapters.close_loop.finalise import errors_apart
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, told_of
 from hyperfab.chapters.close_loop.readings import Apart, read_thermocouples
@@ -29,6 +30,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.console import Console
 from hyperfab.documents.base import schema
 from hyperfab.documents.loop import AddedEffect, Errors, Evidence, Misfit
+from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import PLAIN, layout
 from hyperfab.loop.belief import Belief
@@ -624,3 +626,22 @@ def test_an_entry_with_evidence_that_is_not_added_is_told_why(
     told = list(refused(found, "fabric"))
     assert told == [] if says is None else told[0].startswith(says)
     assert list(refused(SimpleNamespace(**{**vars(found), "doubted": ("elastic-law",)}), "fabric")) == []  # type: ignore[arg-type]
+
+
+def test_a_law_that_falls_within_its_tests_is_told() -> None:
+    """What turns a strip up at its end may take all of its stiffness before."""
+    powers = {"C20_MPa": -2.174, "C30_MPa": 3.584, "C01_MPa": -1.367, "C11_MPa": 1.676}
+    strip = {
+        "model": "neo-hookean",
+        "parameters": {"C10_MPa": 1.368},
+        "tested": {"uniaxial": {"stretch": [1.0, 1.4]}, "biaxial": {"stretch": [1.0, 1.05]}},
+    }
+    added = {"effects": [{"id": "elastic-law", "form": "powers-mixed", "parameters": powers}]}
+    along = {key: strip[key] for key in ("parameters", "tested")}
+    sheet = strip | {"directions": {"warp": along, "weft": along}}
+    told = [[*_falls(MaterialDocument.model_validate(one))] for one in (strip, strip | added, sheet | added)]
+    assert [len(one) for one in told] == [0, 2, 4]
+    assert re.findall(r"in (\S+) tests, which went to (\S+):", " ".join(told[1])) == [
+        ("uniaxial", "1.4"),
+        ("biaxial", "1.05"),
+    ]

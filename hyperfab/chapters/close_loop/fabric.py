@@ -34,6 +34,7 @@ from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
 from hyperfab.materials.registry import carried_by, law_of, stiffness_at_rest
+from hyperfab.materials.stability import stable_ranges
 
 #: Work of a usual run, in refits, for the progress line.
 _REFITS = 60.0
@@ -88,7 +89,7 @@ def run(job: Job, given: Given) -> int:
     tell_sure(model, found, lambda fit: extend(document, problem, fit, problem.law), len(problem.tests))
     model.format = model.format_name()
     mark(model.effects or [], found)
-    doubts = [*_nearly(model), *_soft(model)]
+    doubts = [*_nearly(model), *(list(_soft(model)) or _falls(model))]
     tests.warnings += doubts
     job.console.warn(*doubts)
     result = describe(problem, found, tests.left_out, tests.warnings)
@@ -219,6 +220,25 @@ def _soft(model: MaterialDocument) -> Iterator[str]:
                 f"the constants of {model.model} these data ask for have no stiffness at rest{way} (Young's modulus "
                 f"{modulus:.3g} MPa): no other command takes the extended model; fit a law with fewer constants"
             )
+
+
+def _falls(model: MaterialDocument) -> Iterator[str]:
+    """Yield where a law takes less stress for more strain within the tests: whatever they show beside it."""
+    if model.model == ORTHOTROPIC or model.model in ORDERS:
+        return  # the one is stable, and the plateau of the other is flat
+    read = FabricDocument(model, "the extended model")
+    ways = {way: one.tested for way, one in (model.directions or {}).items()} or {"": model.tested}
+    for direction, kinds in ways.items():
+        ends = {kind: one.first_unstable for kind, one in stable_ranges(read.material(direction or None)).items()}
+        for kind, tested in (kinds or {}).items():
+            end, last = ends.get(kind), tested.stretch[1]
+            if end is not None and end < last:
+                along = f" along the {direction}" * bool(direction)
+                yield (
+                    f"the law of the extended model{along} loses Drucker stability at a stretch of {end:.5g} in "
+                    f"{kind} tests, which went to {last:.4g}: commands that stretch it so far may end with status 4; "
+                    "begin with a law that is stable there, as of hf fit --model all"
+                )
 
 
 def _set_apart(problem: FabricProblem, tests: Measured) -> Apart:
