@@ -32,3 +32,5 @@ def test_specimens_beyond_those_told_begin_at_the_mean(hf: Run, tmp_path: Path) 
     assert found["verdict"] == "noise"
     slack = [value for key, value in found["constants"]["refitted"].items() if key.startswith("grip-slack")]
     np.testing.assert_allclose(slack[0] + np.array([0.0, *slack[1:]]), [0.004, 0.012, 0.02, 0.008], atol=2e-3)
+    tested = json.loads((tmp_path / "loop.model.json").read_text())["tested"]["uniaxial"]["stretch"]
+    np.testing.assert_allclose(tested, [1.0, 1.8 - 0.004], atol=2e-3)

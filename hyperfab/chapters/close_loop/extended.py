@@ -190,14 +190,15 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     result.parameters = warp
     result.temperatures = None
     result.directions = None
-    result.tested = tested_by(_axes(problem.tests))
+    tests = _axes(problem, problem.fabric.strained({**had, **terms}, ground, across))
+    result.tested = tested_by(tests)
     if weft is not None:
         # A test that states no direction is taken as pulled along the warp.
-        square = [test for test in problem.tests if abs(test.angle_deg - 90.0) <= _ALONG]
-        along = [test for test in problem.tests if not abs((test.angle_deg + 90.0) % 180.0 - 90.0) > _ALONG]
+        square = [test for test in tests if abs(test.angle_deg - 90.0) <= _ALONG]
+        along = [test for test in tests if not abs((test.angle_deg + 90.0) % 180.0 - 90.0) > _ALONG]
         result.directions = {
-            "warp": Direction(parameters=warp, tested=tested_by(_axes(along))),
-            "weft": Direction(parameters=weft, tested=tested_by(_axes(square))),
+            "warp": Direction(parameters=warp, tested=tested_by(along)),
+            "weft": Direction(parameters=weft, tested=tested_by(square)),
         }
     if "thermal-softening" in terms and whole:
         result.temperature_degC = problem.fabric.reference_degC
@@ -210,9 +211,12 @@ def extend(document: MaterialDocument, problem: FabricProblem, fit: Fit, law: La
     return result
 
 
-def _axes(tests: Sequence[TestCurve]) -> list[TestCurve]:
-    """Return the tests without their second stretch: of a general biaxial one each axis is a test already."""
-    return [replace(test, stretch2=None) for test in tests]
+def _axes(problem: FabricProblem, stretch: Array) -> list[TestCurve]:
+    """Return the tests with the ``stretch`` of their specimens, without the second one: of a general biaxial test each
+    axis is a test already."""
+    ends = np.cumsum([len(test.stretch) for test in problem.tests])[:-1]
+    parts = zip(problem.tests, np.split(stretch, ends), strict=True)
+    return [replace(test, stretch=part, stretch2=None) for test, part in parts]
 
 
 def _refitted(

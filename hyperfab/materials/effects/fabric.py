@@ -147,11 +147,15 @@ class Fabric:
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
         return found if power == 0.0 else found * contracted(self.path.mirrored(1.0 + rest), "at rest") ** power
 
+    def strained(self, terms: Terms, warp: Array, weft: Array | None) -> Array:
+        """Return how far the specimen is stretched in every row, its set included: without what the grips gave."""
+        given = {name: term for name, term in _present(terms).items() if name != "permanent-set"}
+        return np.asarray(self.path.mirrored(self._stretches(given, warp, weft)[0]))
+
     def _stretches(
         self, terms: Terms, warp: Array | None, weft: Array | None
     ) -> tuple[Array, Array, Array, tuple[object, ...]]:
-        """Return the specimen's elastic stretch, what it is of it along the second axis of a general biaxial test, its
-        set, and what tells these from others; stress and stretch across both ask for them."""
+        """Return the elastic stretch, that along a general biaxial test's other axis, the set, and what tells them."""
         slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
         if kept[0] not in permanent_set.FORMS:
             kept = "", np.empty(0)
