@@ -18,8 +18,8 @@ FAR = 8.0
 class Doubt:
     """What is odd about a curve: its ``kind``, the rows (of the arrays given), a size as a share, and the words.
 
-    Kinds: ``unloading``, ``cycles``, ``step-back``, ``drop``, ``spike``, ``ringing``, ``saturation``, ``doubled``,
-    ``offset``, ``unzeroed``, ``failing``.
+    Kinds: ``unloading``, ``cycles``, ``lost``, ``step-back``, ``drop``, ``spike``, ``ringing``, ``saturation``,
+    ``doubled``, ``offset``, ``unzeroed``, ``failing``.
     """
 
     kind: str

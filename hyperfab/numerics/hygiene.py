@@ -7,6 +7,7 @@ noisy draws no remark: every threshold is the larger of a share of the curve and
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, leap, scatter
 from hyperfab.numerics.rest import offset, starts_off, unzeroed
-from hyperfab.numerics.spikes import off_in_hold, ringing, under_dead_load
+from hyperfab.numerics.spikes import lost, off_in_hold, ringing, saturated
 
 #: A curve has turned where it comes back by this share of its whole way.
 TURN = 0.2
@@ -138,10 +139,29 @@ def look(
     if len(stretch) < 3 or not np.any(stress):
         return []
     way = stretch if np.ptp(stretch) > 0.0 or stretch2 is None else stretch2
+    gone = lost(way, stress)
+    if gone:
+        kept = np.delete(np.arange(len(way)), gone)
+        others = look(
+            stretch[kept],
+            stress[kept],
+            stretch2=None if stretch2 is None else stretch2[kept],
+            time=None if time is None else time[kept],
+            branch=None if branch is None else branch[kept],
+            cycle=None if cycle is None else cycle[kept],
+        )
+        told = Doubt(
+            "lost",
+            tuple(gone),
+            len(gone) / len(way),
+            f"{len(gone)} rows read a stretch that is not followed on the way, while the stress goes on",
+            "did the camera or extensometer lose its marks? leave these rows out",
+        )
+        return [told, *(replace(one, rows=tuple(kept[list(one.rows)].tolist())) for one in others)]
     found = [
         *_doubled(stretch, stress, time),
         *_steps_back(way, stress),
-        *_saturated(way, stress, time),
+        *saturated(way, stress, time),
         *_leaps(way, stress, time),
         *offset(stretch, stress, stretch2),
         *unzeroed(way, stress),
@@ -193,26 +213,6 @@ def _stress_stays(way: Array, stress: Array, row: int) -> bool:
     slope, level = np.polyfit(way[start : row + 1] - way[row], stress[start : row + 1], 1)
     above = np.mean(stress[row + 1 : stop] - level - slope * (way[row + 1 : stop] - way[row]))
     return bool(slope > 0.0 and above > 0.5 * slope * (way[row] - low))
-
-
-def _saturated(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
-    """A reading that stands at its very peak, digit for digit, while the stretch goes on: the range has ended."""
-    top = float(stress[int(np.abs(stress).argmax())])
-    equal = np.flatnonzero(stress == top)
-    runs = [run for run in np.split(equal, np.flatnonzero(np.diff(equal) > 1) + 1) if len(run) > 3]
-    same = np.flatnonzero((np.diff(stress) == 0.0) & (stress[1:] != top) & (stress[1:] != 0.0))
-    usual = max((len(run) + 1 for run in np.split(same, np.flatnonzero(np.diff(same) > 1) + 1)), default=1)
-    for run in runs:
-        moved = float(np.ptp(way[run])) / max(float(np.ptp(way)), 1e-300)
-        if len(run) > 3 * usual and moved > 0.02 and not under_dead_load(way, run, time):
-            yield Doubt(
-                "saturation",
-                tuple(int(row) for row in run),
-                moved,
-                f"{len(run)} rows read the same largest stress over {100 * moved:.0f} % of the stretch",
-                "has the load cell or its amplifier reached its range? leave these rows out",
-            )
-            return
 
 
 def _leaps(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:

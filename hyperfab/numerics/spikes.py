@@ -1,13 +1,15 @@
-"""Readings that no specimen can have given: glitches at a held stretch, where neighbours that move do not tell, and
-swings of a machine that rings."""
+"""Readings that no specimen can have given: glitches at a held stretch, where neighbours that move do not tell, a
+stretch that was not followed, swings of a machine that rings, the end of a load cell's range."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.numerics.doubt import SMALL_STEP, pace
+from hyperfab.numerics.doubt import FAR, SMALL_STEP, Doubt, pace, scatter
 
 #: A glitch in a hold lasts so many rows at most; more than this share of all rows is noise.
 _TOGETHER, _MANY = 3, 0.02
@@ -20,6 +22,11 @@ _DAMPED = 0.5
 #: How much farther what creeps under a dead load goes in the first half of its time than in the second, and the least
 #: share of its way that it goes to one side.
 _SLOWS, _ONE_WAY = 2.0, 0.8
+#: Steps that tell the usual one around a row; how many times that a leap away from the way takes beside it, at least;
+#: the share of what the way goes on by meanwhile to which it is back where it would be, or of the leap to which it is
+#: back where it was; the share of all halts of a stretch, as long, that are made up for at once where it was not
+#: followed.
+_PACED, _AWAY, _BACK, _NEAR, _MADE_UP = 9, 1.5, 0.5, 0.25, 0.5
 
 
 def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
@@ -45,6 +52,67 @@ def off_in_hold(way: Array, stress: Array, least: float) -> list[int]:
         found += kept[out].tolist()
         kept = np.delete(kept, out)
     return found if len(found) <= _MANY * len(stress) + 2 else []
+
+
+def lost(way: Array, stress: Array) -> list[int]:
+    """Return the rows in which the stretch was not followed: its reading stood, and was on its way again.
+
+    A camera that has lost its marks gives 0, or once more what it read last, while the stress goes on.
+
+    >>> way = np.linspace(1.0, 1.5, 51)
+    >>> way[10], way[30:32] = 1.0, way[29]
+    >>> lost(way, np.linspace(0.0, 2.0, 51))
+    [10, 30, 31]
+    """
+    return sorted({*_leapt(way, stress), *_stood(way)})
+
+
+def _leapt(way: Array, stress: Array) -> list[int]:
+    """Rows at one value off the way that those before and behind them are on, at which the stress is not what it is
+    there."""
+    if len(way) < _PACED:
+        return []
+    step = np.diff(way)
+    usual = np.median(sliding_window_view(np.pad(step, _PACED // 2, mode="edge"), _PACED), axis=1)
+    far = np.maximum(max(SMALL_STEP * float(np.ptp(way)), FAR * scatter(way)), _AWAY * np.abs(usual))
+    jumps = np.flatnonzero(np.abs(step - usual) > far)
+    found: list[int] = []
+    for out, back in zip(jumps[:-1].tolist(), jumps[1:].tolist(), strict=True):
+        run = slice(out + 1, back + 1)
+        on, went = (back + 1 - out) * usual[out], way[back + 1] - way[out]
+        # Where the way turns meanwhile it is back at least.
+        good = abs(went - on) <= _BACK * abs(on) or abs(went) <= _NEAR * min(abs(step[out]), abs(step[back]))
+        if out + 1 in found or np.ptp(way[run]) > 0.0 or not good:
+            continue
+        others = np.delete(np.arange(len(way)), run)
+        there = stress[others[int(np.argmin(np.abs(way[others] - way[out + 1])))]]
+        if np.all(np.abs(stress[run] - stress[out]) < 0.5 * abs(there - stress[out])):
+            found += range(out + 1, back + 1)
+    return found
+
+
+def _stood(way: Array) -> list[int]:
+    """Rows that read what the row before did, to the digit, where the next step is all that was gone meanwhile.
+
+    A coarse scale stands too, and a crosshead that holds: neither makes up for it.
+    """
+    step = np.diff(way)
+    moves = np.flatnonzero(step != 0.0)
+    made_up: list[tuple[int, int]] = []
+    stays = []
+    for here, then in zip(moves[:-1].tolist(), moves[1:].tolist(), strict=True):
+        stood = then - here - 1
+        near = np.concatenate([step[max(here - 3, 0) : here + 1], step[then + 1 : then + 5]])
+        near = near[near != 0.0]
+        onward = len(near) > 3 and bool(np.all(near * step[then] > 0.0))
+        if stood and onward and abs(step[then]) > (stood + 0.5) * float(np.median(np.abs(near))):
+            made_up.append((here + 2, then + 1))
+        elif stood:
+            stays.append(stood)
+    longest = max((stop - first for first, stop in made_up), default=0)
+    if len(made_up) < _MADE_UP * (len(made_up) + sum(one <= longest for one in stays)):
+        return []
+    return [row for first, stop in made_up for row in range(first, stop)]
 
 
 def ringing(way: Array, stress: Array, time: Array | None, least: float) -> list[int]:
@@ -104,3 +172,27 @@ def under_dead_load(way: Array, run: Ints, time: Array | None) -> bool:
     half = np.interp(0.5 * (time[run[0]] + time[run[-1]]), time[run], way[run])
     first, second = abs(half - way[run[0]]), abs(way[run[-1]] - half)
     return bool(first > _SLOWS * second and first + second > _ONE_WAY * np.ptp(way[run]))
+
+
+def saturated(way: Array, stress: Array, time: Array | None) -> Iterator[Doubt]:
+    """A reading that stands at its very peak, digit for digit, while the stretch goes on: the range has ended."""
+    top = float(stress[int(np.abs(stress).argmax())])
+    equal = np.flatnonzero(stress == top)
+    runs = [run for run in np.split(equal, np.flatnonzero(np.diff(equal) > 1) + 1) if len(run) > 3]
+    same = np.flatnonzero((np.diff(stress) == 0.0) & (stress[1:] != top) & (stress[1:] != 0.0))
+    usual = max((len(run) + 1 for run in np.split(same, np.flatnonzero(np.diff(same) > 1) + 1)), default=1)
+    # Every cycle that goes so far ends there; its rows count, however few, where those of one cycle are no chance.
+    moved = [float(np.ptp(way[run])) / max(float(np.ptp(way)), 1e-300) for run in runs]
+    ends = any(
+        len(run) > 3 * usual and far > 0.02 and not under_dead_load(way, run, time)
+        for run, far in zip(runs, moved, strict=True)
+    )
+    if ends:
+        rows = np.concatenate(runs)
+        yield Doubt(
+            "saturation",
+            tuple(rows.tolist()),
+            max(moved),
+            f"{len(rows)} rows read the same largest stress over {100 * max(moved):.0f} % of the stretch",
+            "has the load cell or its amplifier reached its range? leave these rows out",
+        )

@@ -346,6 +346,26 @@ def test_what_a_push_reads_behind_a_burst_is_left_out_and_a_way_back_is_told(
     assert told("below.csv", below, np.append(force, np.full(10, 0.01))) == (41, "")
 
 
+def test_forces_that_a_load_cell_does_not_show_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cell that reads 0 below 2 % of the peak; not a coarse one, one without tension, nor a way before the touch."""
+    monkeypatch.chdir(tmp_path)
+    job, way = Job("close-loop", [], Console(True)), np.linspace(0.5, 30.0, 60)
+    true = 0.01 * way**2 + 0.01 * np.random.default_rng(3).standard_normal(60)
+    before = np.clip(way - 8.0, 0.0, None) ** 2
+    for name, force, left in (
+        ("cell.csv", np.where(true < 0.18, 0.0, true), int(np.sum(true < 0.18))),
+        ("coarse.csv", np.round(true / 0.1) * 0.1, 0),
+        ("push.csv", np.maximum(true, 0.0), 0),
+        ("before.csv", before, 0),
+    ):
+        for along, read in (("depth [mm]", read_force_depth), ("stroke [mm]", read_press)):
+            csv(tmp_path / name, f"{along},force [N]", way, force)
+            gone: Counter[str] = Counter()
+            assert len(read(job, name, PLAIN, gone).values) == 60 - left, name
+            least = f"{name}: below what the load cell shows (force {np.min(force[force > 0.0]):g})"
+            assert gone == ({least: left} if left else {})
+
+
 def test_readings_at_the_end_of_a_range_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A film and two load cells that saturate; a plate that presses evenly, and a hold at the peak, do not."""
     monkeypatch.chdir(tmp_path)

@@ -172,6 +172,18 @@ def test_a_depth_counted_from_elsewhere_is_told(zero: float, wave_N: float, told
         assert float(said[1]) == pytest.approx(zero, abs=0.05)
 
 
+@pytest.mark.parametrize(("verdict", "told"), [("effect", 1), ("ambiguous", 1), ("unexplained", 0)])
+def test_a_zero_that_leaves_what_was_taken_for_little_is_told(verdict: str, told: int) -> None:
+    """Noise that is a sixth louder than was thought is left with an effect as with a zero."""
+    problem = contact()
+    own = np.array([*(one.value for one in problem.own[:-1]), 0.5])
+    rows = len(problem.files[0].depth)
+    truth = problem.predict(own, {})
+    truth[:rows] += 0.16 * 0.01 * np.random.default_rng(2).standard_normal(rows)  # as ``_found`` draws it
+    found = replace(_found(problem, truth, 0.01, 0.0), verdict=verdict)
+    assert len(another_zero(problem, found)) == told
+
+
 def _off(line: str, said: str) -> float:
     """Return by how much a line says that a load cell is off [N], in the words ``said``."""
     found = re.search(said, line)

@@ -97,6 +97,50 @@ def test_a_load_cell_at_its_range_is_told() -> None:
     assert look(stretch, np.minimum(stress, top), time=creeping) == []
 
 
+def test_a_load_cell_at_its_range_is_told_in_every_cycle() -> None:
+    """The rows of a second pull were kept as readings, and the law bent for them."""
+    stretch, stress = pull(noise=0.001)
+    way, force = np.tile(np.r_[stretch, stretch[::-1]], 2), np.tile(np.r_[stress, stress[::-1]], 2)
+    top = 0.8 * stress.max()
+    [found] = [one for one in look(way, np.minimum(force, top)) if one.kind == "saturation"]
+    assert found.rows == tuple(np.flatnonzero(force >= top).tolist())
+
+
+def test_rows_in_which_a_camera_lost_its_marks_are_told_and_no_others() -> None:
+    """Those given as 0 were told as one slip of an extensometer, and all behind the first was left out."""
+    stretch, stress = pull()
+    rows = [70, 120, 121, 122, 200]
+    for value in (1.0, 0.0):
+        zeros = stretch.copy()
+        zeros[rows] = value
+        [found] = look(zeros, stress)
+        assert (found.kind, found.rows) == ("lost", tuple(rows))
+    last = stretch.copy()
+    for row in rows:
+        last[row] = last[row - 1]
+    [found] = look(last, stress)
+    assert (found.kind, found.rows) == ("lost", tuple(rows))
+    # What else is odd is told by its own rows still.
+    zeros[rows] = 1.0
+    spiked = stress.copy()
+    spiked[150] += 0.2 * stress.max()
+    assert [(one.kind, one.rows) for one in look(zeros, spiked)] == [("lost", tuple(rows)), ("spike", (150,))]
+
+
+def test_a_stretch_that_stands_for_another_reason_is_not_lost() -> None:
+    """A coarse scale at an uneven clock, a scale slower than the log, steps that are held, a step and its way back."""
+    rng = np.random.default_rng(3)
+    stretch, stress = pull(noise=0.0)
+    uneven = 1.0 + 0.5 * np.cumsum(rng.uniform(0.5, 1.5, 240)) / 240.0
+    for way in (np.round(uneven, 3), np.round(stretch, 2), stretch[np.arange(240) // 3 * 3]):
+        assert "lost" not in kinds(look(way, stress))
+    stairs = 1.0 + 0.1 * (np.arange(60) // 10)
+    assert "lost" not in kinds(look(stairs, stairs - 1.0 + 0.01 * np.exp(-(np.arange(60) % 10))))
+    # The stress goes along: the specimen was there.
+    step = np.where(np.arange(240) == 120, 1.0, stretch)
+    assert "lost" not in kinds(look(step, 0.3 * (np.exp(2.0 * (step - 1.0)) - 1.0)))
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_spike_and_a_slip_in_the_grips_are_told_apart(sign: float) -> None:
     stretch, stress = pull()

@@ -32,6 +32,7 @@ from hyperfab.numerics.spikes import under_dead_load
 
 #: Readings that no specimen gave, by the kind of what is odd, and how they are counted.
 _UNSOUND = {
+    "lost": "where the stretch was lost",
     "step-back": "after the stretch stepped back in mid-pull",
     "spike": "off its neighbours",
     "ringing": "where the machine rings",
@@ -146,8 +147,8 @@ def _like_all(measured: Measured, unknown: UnknownTest) -> str:
 def _sound(tests: Sequence[TestData], found: Measured) -> list[TestData]:
     """Return the tests without readings that no specimen can have given, each counted in ``found``.
 
-    Those after a specimen broke or an extensometer slipped, single readings off the curve, a machine that rings, a
-    reading that stands at the end of its range, rows and tests that stand twice.
+    Those after a specimen broke or an extensometer slipped, rows in which it had lost its marks, single readings off
+    the curve, a machine that rings, a reading that stands at the end of its range, rows and tests that stand twice.
     """
     kept, seen = [], set()
     for test in tests:

@@ -64,7 +64,7 @@ def another_zero(problem: Problem, found: Finding) -> list[str]:
         loose = problem.counting_from_anywhere(way.name)
         freed = fit(loose, found.noise, {}, before.x)
         zero, farthest = float(freed.x[place]), loose.own[place].high
-        if _is_all(before, freed, read) and way.high < abs(zero) < farthest:
+        if _is_all(found, freed, read) and way.high < abs(zero) < farthest:
             told.append(
                 f"Were {way.name} {zero:.3g} mm, though known to {way.prior_sd:.2g} mm, the model would meet "
                 "these readings without any effect: look again where the machine counts from before anything is said "
@@ -96,9 +96,7 @@ def untared(problem: Problem, found: Finding) -> list[str]:
     meets = [
         (shape, offset)
         for shape, offset, freed in sorted(ways, key=lambda way: way[2].chi2)
-        if _is_all(found.before.fit, freed, read)
-        and freed.chi2 <= found.after.fit.chi2 + MARGIN
-        and abs(offset) <= largest
+        if _is_all(found, freed, read) and freed.chi2 <= found.after.fit.chi2 + MARGIN and abs(offset) <= largest
     ]
     if not meets:
         return []
@@ -131,7 +129,11 @@ def _off_zero(problem: Problem, found: Finding, shape: Array) -> tuple[float, Fi
     return offset, freed
 
 
-def _is_all(before: Fit, freed: Fit, read: Ints) -> bool:
-    """Whether what the rows ``read`` are missed by is hardly there any more once a fit is freed."""
-    beyond, left = (float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (before, freed))
-    return beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2)
+def _is_all(found: Finding, freed: Fit, read: Ints) -> bool:
+    """Whether what the rows ``read`` are missed by is hardly there any more once a fit is freed: no more than what was
+    found leaves, where that was taken for little."""
+    beyond, after, left = (
+        float(np.mean(one.residual[read] ** 2)) - 1.0 for one in (found.before.fit, found.after.fit, freed)
+    )
+    little = after if found.verdict != "unexplained" else 0.0
+    return beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2, little)

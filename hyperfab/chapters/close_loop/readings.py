@@ -46,6 +46,8 @@ _QUANTITIES = {
 }
 #: What wobbles by less than this share of its way is held.
 _HOLD = 0.02
+#: Forces that are 0, and steps behind them, of which a load cell is known to show none so small.
+_ZEROS = 3
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,9 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str], along: st
 
     ``results`` are the columns that say what was read, the others where. Rows that agree number for number are copies
     where no place was read again with another result; else they may be readings that agree. Copies would pass for
-    repeats that have no noise. Pressures and forces at the end of an instrument's range are no readings either.
+    repeats that have no noise. Pressures and forces at the end of an instrument's range are no readings
+    either, nor forces of 0 that are less than a load cell shows: as quiet as they are, they would pass for noise that
+    goes with the reading.
     """
     gone = Counter(table.left_out)
     where = [values for name, values in table.columns.items() if name not in results]
@@ -150,6 +154,9 @@ def once(table: Table, results: Sequence[str], left_out: Counter[str], along: st
             table = _rows(table, np.flatnonzero(~ended))
     if along:
         table = _rows(table, np.argsort(table[along], kind="stable"))
+    if along and results[0] == "force" and np.any(none := not_shown(table["force"])):
+        gone[f"below what the load cell shows (force {np.min(table['force'][~none]):g})"] += int(np.sum(none))
+        table = _rows(table, np.flatnonzero(~none))
     left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
     return table
 
@@ -199,6 +206,23 @@ def range_ended(values: Array) -> Flags:
     below = counts[:-1][found[:-1] > 0.0]
     ended = len(below) > 0 and counts[-1] > 3 * np.max(below)
     return np.asarray((values == found[-1]) & ended)
+
+
+def not_shown(force: Array) -> Flags:
+    """Return which forces (n,), in the order of the way, are 0 because the load cell shows none so small: where it
+    shows one the first stands off 0 by more than twice what those behind it do off each other.
+
+    >>> np.flatnonzero(not_shown(np.array([0.0, 0.0, 0.0, 0.5, 0.6, 0.72, 0.85]))).tolist()
+    [0, 1, 2]
+    >>> bool(not_shown(np.round(np.linspace(0.0, 9.0, 30) ** 2 / 9.0)).any())
+    False
+    """
+    none = force == 0.0
+    shown = np.abs(force[~none])
+    if np.count_nonzero(none) < _ZEROS or len(shown) <= _ZEROS:
+        return np.zeros_like(none)
+    step = float(np.median(np.abs(np.diff(shown[: _ZEROS + 2]))))
+    return np.asarray(none & bool(np.min(shown) > 2.0 * step > 0.0))
 
 
 def told_left_out(left_out: Mapping[str, int]) -> list[str]:
