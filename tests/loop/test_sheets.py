@@ -123,9 +123,11 @@ def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
             assert np.max(np.abs(moved - plain)) > 1e-6, (effect.id, form.name)
 
 
-@pytest.mark.parametrize(("turned", "told"), [(0.4, True), (0.0, False)])
-def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> None:
-    """A shift and a turn of all of them; where they are as thought nothing is said of a frame."""
+@pytest.mark.parametrize(
+    ("turned", "scale", "told"), [(0.4, 1.0, True), (0.0, 1.0, False), (0.4, 1.01, True), (0.0, 0.98, True)]
+)
+def test_markers_read_in_another_frame_are_told(turned: float, scale: float, told: bool) -> None:
+    """A shift and a turn of all of them, and a camera's scale; as they are thought nothing is said of a frame."""
     problem = drape()
     line = np.linspace(-100.0, 100.0, 7)
     x, y = np.meshgrid(line, line, indexing="ij")
@@ -135,7 +137,7 @@ def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> No
     given = problem.delivered
     places = np.stack([given[: len(axis)][axis == way] for way in range(3)], axis=1)
     about = np.deg2rad(turned) * np.array([0.6, 0.0, 0.8])
-    moved = Rotation.from_rotvec(about).apply(places) + turned * np.array([1.0, -2.0, 0.5])
+    moved = scale * Rotation.from_rotvec(about).apply(places) + turned * np.array([1.0, -2.0, 0.5])
     problem.measured = given.copy()
     for way in range(3):
         problem.measured[np.flatnonzero(axis == way)] = moved[:, way] + 0.02 * rng.standard_normal(len(moved))
@@ -144,7 +146,10 @@ def test_markers_read_in_another_frame_are_told(turned: float, told: bool) -> No
     assert bool(lines) == told
     # The sheet's own constants take a little of it.
     for line in lines:
-        assert float(re.search(r"turned by (\S+) deg", line)[1]) == pytest.approx(0.4, abs=0.08), line
+        assert float(re.search(r"turned by (\d+\.?[\de-]*) deg", line)[1]) == pytest.approx(turned, abs=0.08), line
+        grown = re.search(r"all (\S+) % too (large|small)", line)
+        sign = 0.0 if grown is None else 1.0 if grown[2] == "large" else -1.0
+        assert sign * float(grown[1] if grown else 0.0) == pytest.approx(100.0 * (scale - 1.0), abs=0.1), line
 
 
 def _found(problem, truth, sd_N, wave_N):

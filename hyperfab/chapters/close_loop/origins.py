@@ -17,9 +17,11 @@ _NEARER = 3
 
 
 def another_frame(problem: Problem, found: Finding) -> list[str]:
-    """Return the shift and turn of the frame that markers were read in, where that is all the model misses them by.
+    """Return the shift and turn of the frame that markers were read in, and where these are not all the scale too,
+    where that is all the model misses them by.
 
-    The rigid motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922.
+    The motion that brings the model's markers nearest to those read: Kabsch (1976), Acta Cryst. A 32, 922; with the
+    scale Umeyama (1991), IEEE Trans. Pattern Anal. Mach. Intell. 13, 376.
     """
     axis = problem.states.get("axis", ())
     count = len(axis)
@@ -34,17 +36,25 @@ def another_frame(problem: Problem, found: Finding) -> list[str]:
     )
     weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
     turn, _ = Rotation.align_vectors(read - read.mean(axis=0), thought - thought.mean(axis=0))
-    shifted = read.mean(axis=0) - turn.apply(thought.mean(axis=0))
-    moved = turn.apply(thought) + shifted
-    beyond, left = (float(np.mean(((read - one) * weight) ** 2)) - 1.0 for one in (thought, moved))
-    if beyond <= SMALL**2 or left > SHARE * beyond:
-        return []
-    shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
-    return [
-        "The markers lie where the model has them without any effect, but for their frame, shifted by "
-        f"({shift}) mm and turned by {angle:.2g} deg: read the frame again at the clamped edge before anything is said "
-        "to lack."
-    ]
+    turned = turn.apply(thought - thought.mean(axis=0))
+    scale = float(np.sum((read - read.mean(axis=0)) * turned) / max(np.sum(turned**2), 1e-300))
+    beyond = float(np.mean(((read - thought) * weight) ** 2)) - 1.0
+    for larger in (1.0, scale):
+        left = float(np.mean(((read - read.mean(axis=0) - larger * turned) * weight) ** 2)) - 1.0
+        if beyond > SMALL**2 and left <= SHARE * beyond:
+            shifted = read.mean(axis=0) - larger * turn.apply(thought.mean(axis=0))
+            shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
+            scaled = "" if larger == 1.0 else f", all {abs(100.0 * (scale - 1.0)):.2g} % too {_size(scale)}"
+            again = "the frame again at the clamped edge" if larger == 1.0 else "a known length beside the sheet"
+            return [
+                "The markers lie where the model has them without any effect, but for their frame, shifted by "
+                f"({shift}) mm and turned by {angle:.2g} deg{scaled}: read {again} before anything is said to lack."
+            ]
+    return []
+
+
+def _size(scale: float) -> str:
+    return "large" if scale > 1.0 else "small"
 
 
 def another_zero(problem: Problem, found: Finding) -> list[str]:
