@@ -16,6 +16,7 @@ from scipy.special import gamma, kv
 
 from hyperfab.chapters.close_loop import coupled
 from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
+from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.close_loop.words import another_unit, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
@@ -150,6 +151,18 @@ def test_markers_read_in_another_frame_are_told(turned: float, scale: float, tol
         grown = re.search(r"all (\S+) % too (large|small)", line)
         sign = 0.0 if grown is None else 1.0 if grown[2] == "large" else -1.0
         assert sign * float(grown[1] if grown else 0.0) == pytest.approx(100.0 * (scale - 1.0), abs=0.1), line
+
+
+@pytest.mark.parametrize("digits", [0, 1])
+def test_no_reading_is_surer_than_its_last_digit(digits: int) -> None:
+    """Markers near each other on a smooth sheet are rounded alike, and what they differ by says less."""
+    flat = np.stack(np.meshgrid(np.arange(-90.0, 91.0, 20.0), np.arange(-90.0, 91.0, 20.0)), axis=-1).reshape(-1, 2)
+    height = 2.0 * 0.1**digits * np.exp(-np.sum((flat / 70.0) ** 2, axis=1))
+    read = Markers("m", flat, np.round(np.column_stack([flat, height]), digits))
+    problem = drape_problem(drape().draped, [read])
+    rows = problem.rows_of("m")
+    sd = Files([read]).noise(problem, problem.measured).sd[rows]
+    assert np.min(sd) >= 0.99 * 10.0**-digits / np.sqrt(12.0)
 
 
 def _found(problem, truth, sd_N, wave_N):

@@ -25,7 +25,7 @@ from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import among_specimens
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, levels
+from hyperfab.loop.scatter import Guess, levels, rounding
 from hyperfab.loop.thresholds import FEWEST
 from hyperfab.numerics.doubt import leap
 from hyperfab.numerics.hygiene import look
@@ -70,7 +70,7 @@ class Files(Generic[F]):
 
         What was stated of a file's quantity holds, else its sd column, else what it seems to be. Files of a kind whose
         estimates differ by no more than chance were read with the same instrument: they have the mean of them; noise in
-        proportion to the reading is looked for in all of them.
+        proportion to the reading is looked for in all of them. None is less than what rounding leaves.
         """
         if predicted is None:
             predicted = problem.delivered
@@ -96,7 +96,7 @@ class Files(Generic[F]):
             count += len(rows)
         for group in guessed.values():
             for rows, size, known in levels(problem.measured, group):
-                sd[rows] = size
+                sd[rows] = np.maximum(size, rounding(problem.measured[rows]))
                 unsure += len(rows) ** 2 / known
         return among_specimens(problem, Noise(sd, count**2 / unsure if unsure > 0.0 else np.inf, source))
 
