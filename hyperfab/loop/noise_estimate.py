@@ -149,7 +149,7 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     found = np.concatenate([part[0] for part in parts])
     level = np.concatenate([part[1] for part in parts])
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
-    floor = max(_resolution(y[rows]) / np.sqrt(12.0), 1e-9 * size)
+    floor = max(rounding(y[rows]), 1e-9 * size)
     if len(found) < 4:
         return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED, 1.0
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]
@@ -198,14 +198,20 @@ def _of_each(scaled: Sequence[Array]) -> Array:
     return factor
 
 
-def _resolution(values: Array) -> float:
-    """Return the step of the digits the values are written in."""
+def rounding(values: Array) -> float:
+    """Return the standard deviation of what rounding to the digits that readings (n,) are told in takes from them: no
+    reading is surer, though those of a smooth surface near each other are rounded alike.
+
+    >>> round(12.0**0.5 * rounding(np.array([3.0, 1.0, 1.0, 7.0])), 6), rounding(np.array([0.1, 0.2, 0.37123]))
+    (2.0, 0.0)
+    """
     sizes = np.diff(np.unique(values))
     sizes = sizes[sizes > 1e-12 * np.max(np.abs(values), initial=1e-300)]
     if len(sizes) == 0:
         return 0.0
     step = float(np.min(sizes))
-    return step if np.allclose(sizes / step, np.round(sizes / step), atol=1e-3) else 0.0
+    even = np.allclose(sizes / step, np.round(sizes / step), atol=1e-3)
+    return step / float(np.sqrt(12.0)) if even else 0.0
 
 
 @dataclass(frozen=True)

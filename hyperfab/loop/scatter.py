@@ -18,8 +18,6 @@ from hyperfab.loop.thresholds import FEWEST, MARGIN, UNLIKELY
 _NEIGHBOURS = 9
 #: Two readings nearer than this share of the cloud's size are repeats of each other.
 _SAME = 1e-6
-#: Steps between readings that are whole numbers of one, to this share of it, are those of their last digit.
-_EVEN = 1e-3
 
 
 @dataclass(frozen=True)
@@ -92,21 +90,6 @@ def levels(measured: Array, group: Sequence[tuple[Ints, Guess]]) -> list[tuple[I
         size = float(np.sqrt(np.average(sizes**2, weights=dof)))
         return [(every, shaped(every, size), float(dof.sum()))]
     return [(rows, shaped(rows, size), guess.dof) for (rows, guess), size in zip(group, sizes, strict=True)]
-
-
-def rounding(values: Array) -> float:
-    """Return the standard deviation of what rounding to the digits that readings (n,) are told in takes from them: no
-    reading is surer, though those of a smooth surface near each other are rounded alike.
-
-    >>> round(12.0**0.5 * rounding(np.array([3.0, 1.0, 1.0, 7.0])), 6), rounding(np.array([0.1, 0.2, 0.37123]))
-    (2.0, 0.0)
-    """
-    steps = np.diff(np.unique(values))
-    if len(steps) == 0:
-        return 0.0
-    step = float(np.min(steps))
-    even = np.abs(steps / step - np.round(steps / step)) < _EVEN
-    return step / float(np.sqrt(12.0)) if np.all(even) else 0.0
 
 
 def alike(sizes: Array, dof: Array) -> bool:

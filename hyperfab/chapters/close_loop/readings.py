@@ -23,9 +23,9 @@ from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
 from hyperfab.loop.no_worse import none_apart
 from hyperfab.loop.noise import Noise
-from hyperfab.loop.noise_estimate import among_specimens
+from hyperfab.loop.noise_estimate import among_specimens, rounding
 from hyperfab.loop.problem import Problem
-from hyperfab.loop.scatter import Guess, levels, rounding
+from hyperfab.loop.scatter import Guess, levels
 from hyperfab.loop.thresholds import FEWEST
 from hyperfab.numerics.doubt import leap
 from hyperfab.numerics.hygiene import look
