@@ -72,7 +72,7 @@ def _rms(values: Array) -> float:
 
 @dataclass(kw_only=True)
 class _Timed(HeatProblem):
-    """A mold with a log that keeps a time of its own: last of its constants is by how much."""
+    """A mold with a log that keeps a time of its own: the last of its constants are by how much."""
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         off = {constant.name: float(value) for constant, value in zip(self.own, own, strict=True)}
@@ -97,8 +97,8 @@ def _clock(problem: HeatProblem, found: Finding) -> tuple[str, Array] | None:
     whole = float(np.ptp(problem.runs[0].times))
     late = Constant("log.late_s", 0.0, -_OFF * whole, _OFF * whole, 0.01 * whole, _OFF_SD * whole)
     fast = Constant("log.fast", 0.0, -_OFF, _OFF, 0.01, _OFF_SD)
+    given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
     for moved in ((late,), (fast,), (late, fast)):
-        given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
         timed = _Timed(**given | {"own": (*problem.own, *moved)})
         again = fit(timed, found.noise, {}, timed.given, data=problem.measured, iterations=_STEPS)
         if is_strained(timed, again) or structured(again, timed, found.noise) > SMALL:

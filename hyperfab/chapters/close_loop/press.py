@@ -64,9 +64,9 @@ def run(job: Job, given: Given) -> int:
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
     out.refuse_inputs(job.inputs)
     files.preparation.extend(
-        f"{one.name}: shows nothing below {one.least:.3g} MPa: where it reads 0, less than that may press"
+        f"{one.name}: shows nothing below {least:.3g} MPa: where it reads 0, less than that may press"
         for one in [*files.measured, *files.apart]
-        if one.least > 0.0
+        if (least := one.least) > 0.0
     )
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
@@ -273,8 +273,9 @@ def _warmth(told: PressResult, mean: float, temperature: float) -> Warmth:
 def _in_press(told: PressResult, setting: Setting, reading: Reading) -> Reading:
     """Return a reading with what the molds have grown at its temperature, and what may press where its film shows
     nothing; thickness after opening is ``formed``."""
-    if reading.least > 0.0:
-        reading = replace(reading, below=np.where(reading.values == 0.0, reading.least, 0.0))
+    least = reading.least
+    if least > 0.0:
+        reading = replace(reading, below=np.where(reading.values == 0.0, least, 0.0))
     if reading.kind == "thickness" and told.model.foam.recovery is not None and told.model.foam.recovery < 1.0:
         reading = replace(reading, kind="formed")
     if reading.kind == "mounting" and reading.places is not None:
