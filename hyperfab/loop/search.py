@@ -197,7 +197,8 @@ class Search:
                 break
             if not (richer := self.richer(best, free, of)):
                 break
-            found = min(richer, key=lambda one: one.chi2)
+            common = Level.of(richer, self.problem, self.noise)
+            found = min(richer, key=lambda one: common.misfit(one) + 2.0 * len(one.x))
             level = Level.of([found], self.problem, self.noise)
             gain = level.misfit(best) - level.misfit(found)
             if gain < 2.0 * (len(found.x) - len(best.x)) or found.chi2 > 0.9 * best.chi2:

@@ -124,6 +124,11 @@ def _stored() -> PPoly:
     return cardinal(5).antiderivative()
 
 
+def _smooth_mixed(sheet: Sheet, reach: float) -> list[Term]:
+    """Return the same and what I2 does beside I1: (I1 - 3)(I2 - 3) and (I2 - 3)^2."""
+    return [*_smooth(sheet, reach), *_second_invariant(sheet)[1:]]
+
+
 def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
     """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``CLOSE``."""
     stored, slopes = _close()
@@ -190,6 +195,9 @@ FORMS: Mapping[str, Added] = {
     "straightening": _TOE,
     "smooth": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
+    ).and_log(),
+    "smooth-mixed": Added(
+        ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa", "C11_MPa", "C02_MPa"), _smooth_mixed
     ).and_log(),
     "smooth-close": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close

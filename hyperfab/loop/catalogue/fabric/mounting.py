@@ -50,20 +50,11 @@ def grip_slack(context: DataContext) -> Effect:
     beginnings = tuple((peak, 0.05 * reach, share * peak) for share in (0.1, 0.5))
     slips = Form("slips", (told_to, replace(give, high=5.0 * high), holds), beginnings, ((peak, little, 0.2 * peak),))
     forms += tried_if(context.unloads, slips)
-    # A specimen may be mounted taut, but no grip goes against the load.
-    alongs = (
-        ("smooth", fixed("reach", reach), low),
-        ("smooth-force", told_to, 0.0),
-        ("smooth-slip", told_to, 0.0),
-    )
+    # A specimen may be mounted taut, but no grip goes against the load: one that does is another law of the threads.
+    gives = [Constant(f"give_{k}", 0.0, 0.0, high, step) for k in range(1, 7)]
     smooth, by_force, by_slip = (
-        freely(
-            forms,
-            name,
-            (along, *(Constant(f"give_{k}", 0.0, least, high, step) for k in range(1, 7))),
-            (along.value, *6 * (0.03 * reach,)),
-        )
-        for name, along, least in alongs
+        freely(forms, name, (along, *gives), (along.value, *6 * (0.03 * reach,)))
+        for name, along in (("smooth", fixed("reach", reach)), ("smooth-force", told_to), ("smooth-slip", told_to))
     )
     return Effect(
         id="grip-slack",

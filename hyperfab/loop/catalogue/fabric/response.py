@@ -258,12 +258,13 @@ def elastic_law(context: DataContext) -> Effect:
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
     # Other kinds of tests hold a law that one kind would leave free: there it may bend where it likes.
     smooths = []
-    for name, count, tried in (
-        ("smooth-close", 6, context.has_one_mode),
-        ("smooth", 5, not context.has_one_mode),
+    for name, count, more, tried in (
+        ("smooth-close", 6, (), context.has_one_mode),
+        ("smooth", 5, (), not context.has_one_mode),
+        ("smooth-mixed", 5, both[1:], not context.has_one_mode),
     ):
         slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)]
-        free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), log)
+        free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), *more, log)
         start = (far, *(0.01 * size for _ in free))
         smooths += tried_if(tried, freely(forms, name, (fixed("reach", far), *free), start))
     return Effect(
