@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 
 from hyperfab.curve import TestCurve
 from hyperfab.materials.hyperfoam import TESTS, Hyperfoam, Rows
-from hyperfab.materials.identification.hyperfoam import identify
+from hyperfab.materials.identification.hyperfoam import _Sought, identify
 from hyperfab.pressing import foam_law
 
 MIXED = Hyperfoam((0.1, 0.05, -0.01), (8.0, -2.0, 3.0), (0.1, 0.3, 0.2))
@@ -156,3 +156,22 @@ def test_an_auxetic_foam_of_one_term_is_found():
     for more in ({}, {"stretch2": across, "weight2": np.ones(20)}):
         found = identify([TestCurve("uniaxial", stretch, stress, weight, **more)], 1)
         assert found.parameters == pytest.approx(truth.parameters, rel=1e-6)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 4, 5])
+def test_a_term_more_never_carries_the_tests_worse(seed: int) -> None:
+    """Of a plateau with tension, or with shear, three terms drawn at random ended above the best of two."""
+    drawn = np.random.default_rng(seed)
+    noise, toe, bend, dense = drawn.choice([0.003, 0.01, 0.03]), *drawn.uniform((0.02, 0.5, 1.0), (0.12, 2.0, 8.0))
+    e, t = np.linspace(0.0, 0.6, 17)[1:], np.linspace(0.0, 0.6, 17)[1:]
+    pressed = 0.01 * np.tanh(e / toe) * (1.0 + bend * e) + 0.01 * dense * e**3 / (1.0 - e)
+    other = ("simple-shear", t, 0.003 / toe * t / (1.0 + 0.5 * t))
+    if seed % 2 == 0:
+        other = ("uniaxial", 1.0 + t, 0.01 / toe * t / (1.0 + bend * t))
+    tests = []
+    for test, stretch, stress in (("uniaxial", 1.0 - e, -pressed), other):
+        read = stress * (1.0 + noise * drawn.standard_normal(16))
+        tests.append(TestCurve(test, stretch, read, np.full(16, 0.25 / np.abs(stress).max())))
+    one, two, three = (float(np.sum(_Sought(tests, k).equations(identify(tests, k))[0] ** 2)) for k in (1, 2, 3))
+    assert one >= two >= three

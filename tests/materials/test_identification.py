@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from itertools import pairwise
 from pathlib import Path
 
 import mpmath as mp
@@ -236,6 +237,30 @@ def test_a_power_more_is_never_worse(kind: str) -> None:
         sums.append(found.sse)
     assert sums[1] <= sums[0] * (1.0 + 1e-9)
     assert sums[2] <= sums[1] * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_law_that_holds_another_is_never_worse(seed: int) -> None:
+    drawn = np.random.default_rng(seed)
+    tests = []
+    for mode in drawn.permutation(["uniaxial", "shear", "biaxial"])[: drawn.integers(1, 4)]:
+        lam = np.linspace(1.0, drawn.uniform(1.1, 6.0), 25)[1:]
+        bend, rise, power = drawn.uniform((-0.4, 0.0, 0.3), (0.8, 0.2, 2.0))
+        stress = (lam - lam**-2) * (1.0 + rise * (lam - 1.0) ** power) * lam**bend
+        stress *= 1.0 + drawn.choice([0.0, 0.01, 0.05]) * drawn.standard_normal(24)
+        tests.append(TestCurve(str(mode), lam, stress, 1.0 / stress))
+    rows, sums = Rows.of(tests), {}
+    for chain in (
+        "neo-hookean ogden-1 ogden-2 ogden-3", "neo-hookean yeoh-1 yeoh-2 yeoh-3 mooney-rivlin-9",
+        "neo-hookean mooney-rivlin-2 mooney-rivlin-3 mooney-rivlin-5 mooney-rivlin-9", "yeoh-2 mooney-rivlin-5",
+    ):  # fmt: skip
+        for name in chain.split():
+            if name not in sums:
+                found = fit_law(Problem(laws()[name], rows))
+                assert found is not None
+                sums[name] = found.sse
+        of = [sums[name] for name in chain.split()]
+        assert all(more <= less * (1.0 + 1e-9) + 1e-24 for less, more in pairwise(of))
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])

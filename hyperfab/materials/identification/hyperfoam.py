@@ -16,8 +16,13 @@ from hyperfab.materials.identification.scatter import Weighed
 
 #: Stresses over the largest one measured, at most.
 _MU = 30.0
-#: Starts of the search, drawn the same each time, rows a test it is done on, and optima that are followed to the end.
-_STARTS, _ROWS, _POLISHED = 48, 40, 3
+#: Starts of the search by terms, drawn the same each time, rows a test it is done on, optima followed to the end.
+_STARTS, _ROWS, _POLISHED = (16, 48, 48), 40, 3
+#: Exponents and ratios of which one more term is begun beside the law of one term less, and how many are tried.
+_FURTHER = [(power, ratio) for power in (-40, -20, -10, -5, -2, 2, 5, 10, 20, 40) for ratio in (0.0, 0.15, 0.3, 0.45)]
+_BESIDE = 6
+#: Starts are followed until a step gains less than this share: those that come out lowest are followed to the end.
+_NEAR = 1e-3
 #: How near to its bound a ratio has run to it.
 _END = 1e-3
 #: A stress over the largest one measured that is none.
@@ -33,24 +38,42 @@ def identify(tests: Sequence[TestCurve], terms: int, near: Hyperfoam | None = No
     than noise makes, than positive ones, whose stability is sure. With ``near`` its exponents and ratios are kept and
     stresses alone are sought.
     """
-    every = _Sought(tests, terms)
     if near is not None:
-        return every.stresses(near)
+        return _Sought(tests, terms).stresses(near)
+    error, law = np.inf, None
+    for n in range(1, terms + 1):
+        error, law = _nested(tests, n, error, law)
+    assert law is not None
+    order = sorted(range(terms), key=lambda i: -law.alpha[i])
+    return Hyperfoam(*(tuple(values[i] for i in order) for values in (law.mu, law.alpha, law.nu)))
+
+
+def _nested(tests: Sequence[TestCurve], terms: int, most: float, less: Hyperfoam | None) -> tuple[float, Hyperfoam]:
+    """Return the optimum of so many terms and half its square sum, given those of one term ``less``.
+
+    Laws are nested: one more term, of no stress, makes the same law, so that no optimum above it is one.
+    """
+    every = _Sought(tests, terms)
     fewer = _Sought([one.thinned(_ROWS) for one in tests], terms)
     random = np.random.default_rng(1979)
-    best: list[tuple[float, Hyperfoam]] = []
+    best: list[tuple[float, float, Hyperfoam]] = []
+    if less is not None:
+        idle = Hyperfoam((*less.mu, 0.0), (*less.alpha, 2.0), (*less.nu, less.nu[0]))
+        best.append((most, most, idle))
     for signed in (False, True):
-        found = [fewer.polished(fewer.drawn(random, signed), signed, 60) for _ in range(_STARTS)]
+        starts = [fewer.drawn(random, signed) for _ in range(_STARTS[terms - 1])]
+        if less is not None:
+            starts += fewer.beside(less, signed)
+        found = [fewer.polished(one, signed, 60, _NEAR) for one in starts]
         # One of each optimum that was reached, and of terms of either sign those alone that are stable.
         sound = {round(float(np.log(max(error, 1e-300))), 3): law for error, law in found if fewer.stable(law)}
         for _, law in sorted(sound.items(), key=lambda one: one[0])[:_POLISHED]:
             error, law = every.polished(every.vector(law), signed, 400)
             # A ratio that runs to the end of what is allowed is what no foam has, and no optimum.
-            if every.stable(law) and min(law.nu) > RATIOS[0] + _END:
-                best.append((error * (_DEARER if signed else 1.0), law))
-    _, law = min(best, key=lambda one: one[0])
-    order = sorted(range(terms), key=lambda i: -law.alpha[i])
-    return Hyperfoam(*(tuple(values[i] for i in order) for values in (law.mu, law.alpha, law.nu)))
+            if error <= most and every.stable(law) and min(law.nu) > RATIOS[0] + _END:
+                best.append((error * (_DEARER if signed else 1.0), error, law))
+    _, error, law = min(best, key=lambda one: one[0])
+    return error, law
 
 
 def optimum(law: Hyperfoam, tests: Sequence[TestCurve], kept: bool = False) -> tuple[tuple[str, ...], Weighed]:
@@ -127,6 +150,19 @@ class _Sought:
         mu = mu * (random.choice([1.0, 1.0, -1.0], self.terms) if signed and self.terms > 1 else 1.0)
         return np.concatenate([mu, random.uniform(-12.0, 25.0, self.terms), random.uniform(0.0, 0.45, self.terms)])
 
+    def beside(self, less: Hyperfoam, signed: bool) -> list[Array]:
+        """Return starts of a law of one term less and one more, whose first stress lowers the square sum the most."""
+        found = []
+        for power, ratio in _FURTHER:
+            error, slope = self.equations(Hyperfoam((*less.mu, 0.0), (*less.alpha, power), (*less.nu, ratio)))
+            slope = slope[:, self.terms - 1]
+            step = -float(slope @ error / (slope @ slope))
+            gain = step * step * float(slope @ slope) if signed or step > 0.0 else 0.0
+            # The terms that are there give way too: half the step.
+            law = Hyperfoam((*less.mu, 0.5 * step * self.scale), (*less.alpha, power), (*less.nu, ratio))
+            found.append((gain, self.vector(law)))
+        return [start for _, start in sorted(found, key=lambda one: -one[0])[:_BESIDE]]
+
     def equations(self, law: Hyperfoam) -> tuple[Array, Array]:
         """Return weighted errors and their derivatives by z."""
         errors, slopes = [], []
@@ -142,12 +178,12 @@ class _Sought:
                 slopes.append((across * one.weight2)[:, None] * moved * unit)
         return np.concatenate(errors), np.concatenate(slopes)
 
-    def polished(self, start: Array, signed: bool, steps: int) -> tuple[float, Hyperfoam]:
-        """Return the optimum near a start, and half its square sum."""
+    def polished(self, start: Array, signed: bool, steps: int, gain: float = 1e-15) -> tuple[float, Hyperfoam]:
+        """Return the optimum near a start, up to steps that ``gain`` less than a share, and half its square sum."""
         least, most = self.bounds(signed)
         inside = np.clip(start, least + 1e-9, most - 1e-9)
         scale = np.repeat([0.3, 5.0, 0.1], self.terms)
-        found, cost = least_in_box(lambda z: self.equations(self.law(z)), inside, (least, most), steps, scale)
+        found, cost = least_in_box(lambda z: self.equations(self.law(z)), inside, (least, most), steps, scale, gain)
         return cost, self.law(found)
 
     def stresses(self, near: Hyperfoam) -> Hyperfoam:
