@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from hyperfab.chapters.fabric import FabricDocument, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.documents.material import MaterialDocument
@@ -42,6 +44,12 @@ class Fabric:
     temperature: float | None = None
     held_at: float | None = None
     tested: tuple[float, float] | None = None
+
+    def strip_stress(self, stretch: float) -> float:
+        """Return the nominal stress [MPa] of a strip at a stretch, along warp or weft, whichever bears more."""
+        # So narrow that it bears nothing across.
+        narrow = np.array([[stretch**2, stretch**-4, 0.0], [stretch**-4, stretch**2, 0.0]])
+        return float(self.law.principal(narrow).nominal.max())
 
 
 def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:

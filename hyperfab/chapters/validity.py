@@ -45,8 +45,12 @@ class Ranges:
         direction: str | None = None,
         unit: str = "",
         then: str = "",
+        stress: tuple[float, float] | None = None,
     ) -> Validity | None:
         """Note that a law or table was used at ``values``; ``then`` says what is done beyond what is ``known``.
+
+        ``stress`` is the largest one of the law there, and that at the end of what is known: of a law that stiffens
+        the stretch alone does not show how far beyond its tests it was used.
 
         Values that are not finite were not used; None is returned, and nothing noted, where none is left. Of the same
         law or table, in the same ``direction`` of the fabric, the values used are joined.
@@ -57,20 +61,33 @@ class Ranges:
         False
         >>> ranges.warning
         'used beyond what is known: stretch 1 to 2.03 (fabric.json: 1 to 1.8)'
+        >>> _ = ranges.used("stretch", 1.3, known=(1.0, 1.1), source="a.json", then="extrapolated", stress=(192.0, 3.0))
+        >>> ranges.warning[70:]
+        'stretch 1.3 (a.json: 1 to 1.1; extrapolated to 64 times the stress at the end of its tests)'
         """
         met = _ends(values)
         if met is None:
             return None
         ends = None if known is None else _ends(known)
         key = (of, source, direction, ends)
+        ratio = stress[0] / stress[1] if stress is not None and stress[1] > 0.0 and np.isfinite(stress).all() else None
         if key in self._uses:
-            before = self._uses[key][0].used
-            met = (min(met[0], before[0]), max(met[1], before[1]))
+            before = self._uses[key][0]
+            met = (min(met[0], before.used[0]), max(met[1], before.used[1]))
+            ratio = max((one for one in (ratio, before.stress_ratio) if one is not None), default=None)
         within = None
         if ends is not None:
             slack = max(_SAME * max(abs(ends[0]), abs(ends[1])), _ROUNDED * (ends[1] - ends[0]))
             within = ends[0] - slack <= met[0] and met[1] <= ends[1] + slack
-        entry = Validity(of=of, direction=direction, used=met, known=ends, within=within, source=source)
+        entry = Validity(
+            of=of,
+            direction=direction,
+            used=met,
+            known=ends,
+            within=within,
+            stress_ratio=None if within is not False else ratio,
+            source=source,
+        )
         self._uses[key] = (entry, unit or ("degC" if of.endswith("_degC") else ""), then)
         return entry
 
@@ -86,7 +103,15 @@ class Ranges:
         """
         for one in document.get("validity") or []:
             source = f"{one['from']} in {os.path.basename(name)}"
-            self.used(one["of"], one["used"], known=one.get("known"), source=source, direction=one.get("direction"))
+            ratio = one.get("stress_ratio")
+            self.used(
+                one["of"],
+                one["used"],
+                known=one.get("known"),
+                source=source,
+                direction=one.get("direction"),
+                stress=None if ratio is None else (ratio, 1.0),
+            )
 
     @property
     def entries(self) -> list[Validity]:
@@ -104,10 +129,17 @@ class Ranges:
         words = []
         for entry, unit, then in self._uses.values():
             if entry.within is False and entry.known is not None:
-                known = f"{entry.source}: {span(*entry.known, unit=unit)}" + (f"; {then}" if then else "")
+                beyond = " ".join(filter(None, (then, _stressed(entry.stress_ratio))))
+                known = f"{entry.source}: {span(*entry.known, unit=unit)}" + (f"; {beyond}" if beyond else "")
                 along = f" along the {entry.direction}" if entry.direction else ""
                 words.append(f"{entry.of.removesuffix('_degC')}{along} {span(*entry.used, unit=unit)} ({known})")
         return f"used beyond what is known: {', '.join(words)}" if words else None
+
+
+def _stressed(ratio: float | None) -> str:
+    if ratio is None or ratio <= 1.0:
+        return ""
+    return f"to {float(f'{ratio:.2g}'):.15g} times the stress at the end of its tests"
 
 
 def _ends(values: ArrayLike) -> tuple[float, float] | None:

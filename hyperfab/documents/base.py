@@ -72,6 +72,9 @@ class Validity(Part):
         "smallest and largest value tested or tabulated; absent where nothing says"
     )
     within: bool | None = optional("whether used lies in known; absent where that is unknown")
+    stress_ratio: float | None = optional(
+        "the law's largest stress where it was used beyond its tests, over that at the end of them"
+    )
     source: str = Field(alias="from", description="the input that the law or the table came from")
 
 

@@ -18,6 +18,7 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.contact import ForceDepth
+from hyperfab.materials import bind
 
 C10 = {23.0: 0.08, 80.0: 0.05, 105.0: 0.04}
 
@@ -282,6 +283,31 @@ def test_the_shrinkage_of_foam_beyond_its_table_is_told(hf: Run, tmp_path: Path,
         assert entry["used"] == [float(temperature.removesuffix("degC"))] * 2
         assert entry["within"] is (status == 0)
         assert (b"shrinkage 200 degC" in done.stderr) is bool(status)
+
+
+@pytest.mark.parametrize("command", [CONTACT, DRAPE], ids=lambda words: words[0])
+def test_how_far_a_law_that_stiffens_was_used_beyond_its_tests_is_told_by_its_stress(
+    hf: Run, shop: Path, command: tuple[str, ...]
+) -> None:
+    """A tenth more stretch than was tested may be fifty times the stress, which the stretch alone does not show."""
+    c = {"C10_MPa": 0.08, "C20_MPa": 0.5, "C30_MPa": 60.0}
+    tested = {"uniaxial": {"stretch": [1.0, 1.01]}}
+    kept = document(model="yeoh-3", parameters=c, temperatures=None, temperature_degC=None, tested=tested)
+    (shop / "fabric.json").write_text(json.dumps({key: value for key, value in kept.items() if value is not None}))
+    done = hf(*command, cwd=shop)
+    assert done.returncode == 0, done.stderr.decode()
+    found = json.loads(done.stdout)
+    law, entry = bind("yeoh-3", c), found["validity"][0]
+
+    def pulled(stretch: float) -> float:
+        return float(law.uniaxial(np.array(stretch)).P)
+
+    if command is DRAPE:  # the spring that is stretched most, by the law of a strip
+        assert entry["stress_ratio"] == pytest.approx(pulled(entry["used"][1]) / pulled(1.01), rel=1e-6)
+    else:  # in both directions more than a strip has
+        assert entry["stress_ratio"] > 1.2 * pulled(entry["used"][1]) / pulled(1.01)
+    ratio = f"{entry['stress_ratio']:.2g}"
+    assert f"extrapolated to {ratio} times the stress at the end of its tests" in done.stderr.decode()
 
 
 def test_a_loop_tells_where_its_model_was_used_beyond_its_tests(hf: Run, shop: Path) -> None:

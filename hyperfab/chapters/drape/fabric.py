@@ -185,4 +185,12 @@ def note_ranges(job: Job, fabric: Fabric, stretch_warp: Array, stretch_weft: Arr
     for name, way, stretch in zip(("warp", "weft"), fabric.ways, (stretch_warp, stretch_weft), strict=True):
         known = None if way.tested is None else (1.0, way.tested)
         met = np.maximum(stretch, 1.0)
-        job.ranges.used("stretch", met, known=known, source=way.source, direction=name, then="extrapolated")
+        stress = None if way.tested is None else _stresses(way.law, float(met.max()), way.tested)
+        job.ranges.used(
+            "stretch", met, known=known, source=way.source, direction=name, then="extrapolated", stress=stress
+        )
+
+
+def _stresses(law: SpringLaw, most: float, tested: float) -> tuple[float, float]:
+    stress = law([most, tested])[1]
+    return float(stress[0]), float(stress[1])

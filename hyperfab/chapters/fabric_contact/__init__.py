@@ -47,8 +47,10 @@ def run(job: Job, case: ContactCase) -> int:
     for letter, one in zip("AB", tested, strict=False):
         if one.outcome.solved:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
-            met = np.maximum(one.outcome.solved[-1].fields.stretch, 1.0)
-            job.ranges.used("stretch", met, known=one.fabric.tested, source=one.fabric.name, then="extrapolated")
+            fields, known = one.outcome.solved[-1].fields, one.fabric.tested
+            met = np.maximum(fields.stretch, 1.0)
+            stress = None if known is None else (float(fields.nominal.max()), one.fabric.strip_stress(known[1]))
+            job.ranges.used("stretch", met, known=known, source=one.fabric.name, then="extrapolated", stress=stress)
         if one.status:
             job.console.warn(f"{one.fabric.name}: {one.status}")
         _table(job, letter, one)

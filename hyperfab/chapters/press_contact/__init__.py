@@ -148,7 +148,11 @@ def note_ranges(job: Job, model: Model, closed: Closed) -> None:
         if isinstance(law, MaterialLaw):
             path = Inputs.beside(foam, law.material)
             fitted = read_document(job.inputs, path, MaterialDocument)
-            job.ranges.used("stretch", 1.0 - strain, known=fitted.tested_stretch(), source=path)
+            known, stress = fitted.tested_stretch(), None
+            if known is not None and sandwich.law.places is None:
+                most, tested = sandwich.law.stress([float(strain.max()), 1.0 - known[0]]).tolist()
+                stress = most, tested
+            job.ranges.used("stretch", 1.0 - strain, known=known, source=path, stress=stress)
             _tell_held(job, path, fitted, float(strain.max()))
     if sandwich.fabric_law is not None:
         across = 1.0 - sandwich.pressed(closed.contact.gap)[1] / sandwich.fabric
