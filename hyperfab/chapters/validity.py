@@ -137,7 +137,7 @@ class Ranges:
 
 
 def _stressed(ratio: float | None) -> str:
-    if ratio is None or ratio <= 1.0:
+    if ratio is None or ratio < 1.05:  # by two digits no more than that
         return ""
     return f"to {float(f'{ratio:.2g}'):.15g} times the stress at the end of its tests"
 

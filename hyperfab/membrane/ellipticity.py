@@ -14,15 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.sheet import Sheet
-from hyperfab.membrane.tension_field import Response
+from hyperfab.membrane.tension_field import Response, SheetLaw
 from hyperfab.numerics.kernels import kernel
 
 #: Directions in half a turn that are looked at.
 _DIRECTIONS = 36
 #: Rounding and wrinkles leave values of this part of the modulus with either sign.
 _ROUNDING = 1e-9
+#: Stretches at which a law is looked at up to the furthest.
+_LOOKED_AT = 400
 
 
 @dataclass(frozen=True)
@@ -77,12 +79,42 @@ def _least(stress: Array, stiffness: Array, strain: Array, directions: Array) ->
     return result
 
 
+def left(law: SheetLaw, strain: Array) -> Array:
+    """Return the least eigenvalue (n,) of the acoustic tensor over that of the unstretched sheet; below zero: lost."""
+    flat = np.array([[1.0001, 1.0001, 0.0]])
+    rest = float(acoustic(law(flat), flat)[0])
+    return np.asarray(acoustic(law(strain), strain)) / rest
+
+
+def lost(law: SheetLaw, strain: Array) -> Flags:
+    """Return whether ellipticity is lost at each of ``strain`` (n, 3)."""
+    return left(law, strain) < -_ROUNDING
+
+
+def lost_from(law: SheetLaw, furthest: float) -> float | None:
+    """Return the least stretch, of strips and of sheets drawn in one or both directions, at which ellipticity is lost.
+
+    None where it is kept up to a stretch of ``furthest``.
+
+    >>> from hyperfab.materials import bind
+    >>> from hyperfab.membrane.tension_field import IsotropicSheet
+    >>> foam = IsotropicSheet(bind("blatz-ko", {"mu_MPa": 0.3, "f": 0.0, "nu": 0.25}))
+    >>> lost_from(foam, 3.0), lost_from(IsotropicSheet(bind("neo-hookean", {"C10_MPa": 0.3})), 3.0)
+    (1.935, None)
+    """
+    way = np.linspace(1.0, furthest, _LOOKED_AT + 1)[1:]
+    held, free = np.ones_like(way), way**-2  # so narrow that nothing is borne across
+    gone = np.zeros(len(way), np.bool_)
+    for one, other in ((way, held), (held, way), (way, way), (way, free), (free, way)):
+        with np.errstate(all="ignore"):
+            gone |= lost(law, np.column_stack([one**2, other**2, np.zeros_like(way)]))
+    return float(way[np.argmax(gone)]) if gone.any() else None
+
+
 def weakest(sheet: Sheet, places: Array) -> Weakest:
     """Return where a sheet at nodal ``places`` (n, 3) is nearest to losing ellipticity."""
     strain = sheet.strain(places)
-    found = sheet.law(strain)
-    flat = np.array([[1.0, 1.0, 0.0]])
-    least = acoustic(found, strain) / float(acoustic(sheet.law(1.0001 * flat), 1.0001 * flat)[0])
+    least = left(sheet.law, strain)
     point = int(np.nanargmin(least))
     stretch = sheet.law.principal(strain[[point]]).stretch[0]
     element = point // sheet.mesh.weights.shape[1]

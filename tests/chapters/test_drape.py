@@ -610,6 +610,21 @@ def test_a_law_that_has_no_answer_for_it_is_unstable_is_told_so(drape, folder):
     assert "--stable" in err
 
 
+@pytest.mark.parametrize(("grid", "depth"), [("31x31", "54mm"), ("21x21", "60mm")])
+def test_a_law_whose_sheet_necks_is_told_and_no_finer_grid_is_asked_for(drape, folder, grid, depth):
+    """From 53.5 mm on, as hf fabric-contact finds, stretch gathers in one row of cells; then the ball is through."""
+    each = {name: {"parameters": {"mu_MPa": mu, "f": 0.0, "nu": 0.25}} for name, mu in (("warp", 6.26), ("weft", 0.27))}
+    foam = {**FABRIC, "thickness_mm": 0.6, "model": "blatz-ko", **each["warp"], "directions": each}
+    (folder / "necks.json").write_text(json.dumps(foam))
+    mesh = trimesh.creation.icosphere(subdivisions=4, radius=40.0)
+    (folder / "small.stl").write_bytes(stl_bytes(mesh.vertices, mesh.faces))
+    words = ("--sheet", "membrane", "--shape", "disc", "--size", "200mm", "--grid", grid, "--depth", depth)
+    status, _, err = drape(*words, mold="small.stl", fabric="necks.json")
+    assert status == 4
+    assert "stretch gather in bands" in err
+    assert "take a finer --grid" not in err
+
+
 def test_a_mold_that_has_passed_between_the_nodes_is_no_result(drape, folder):
     """A wall thinner than the spacing slips through: the net beside it bears nothing, which is no equilibrium on it."""
     wall = height_block(lambda u, v: 0.0 * u, (50.0, 1.0), (10, 1), -60.0)

@@ -10,7 +10,7 @@ from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape import files, nearby
 from hyperfab.chapters.drape.fabric import note_ranges
 from hyperfab.chapters.drape.model import Model, State, at_depths, model_of, read_files
-from hyperfab.chapters.drape.result import document_of, judge, say, tears
+from hyperfab.chapters.drape.result import LOOKED, document_of, judge, say, tears
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.uncertainty.carry import Sure, carry
 from hyperfab.chapters.uncertainty.of_fabric import origins_of_fabric
@@ -20,9 +20,6 @@ from hyperfab.cloth.cascade import grid_sizes
 from hyperfab.cloth.net import FIXED
 from hyperfab.errors import HyperfabError, InputError, NotConverged
 from hyperfab.report.bands import banded
-
-#: How far a law without an answer is looked through for where it is unstable.
-_LOOKED = 3.0
 
 
 def run(job: Job, case: DrapeCase) -> int:
@@ -93,7 +90,7 @@ def _beyond(model: Model) -> HyperfabError:
     """What ends a membrane's law that has no answer: constants that are unstable before, or chains that lock."""
     law, file = model.sheet.membrane, model.files.fabric.ways[0].source
     assert law is not None
-    way = np.linspace(1.0, _LOOKED, 401)[1:]
+    way = np.linspace(1.0, LOOKED, 401)[1:]
     held, none = np.ones_like(way), np.zeros_like(way)
     for one, other in ((way, held), (held, way), (way, way)):
         with np.errstate(all="ignore"):

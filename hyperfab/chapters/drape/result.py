@@ -15,11 +15,14 @@ from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
 from hyperfab.documents.drape import DrapeDocument, DrapeMold, DrapeState, Place, Rubbing
+from hyperfab.membrane.ellipticity import lost, lost_from
 
 #: The mold may stand out between the nodes by this share of their spacing without a word.
 THROUGH = 0.25
 #: Sharp edges may bear this share of the force, which friction does not know, without a word.
 MUCH = 0.2
+#: How far a law is looked through for where it is unstable.
+LOOKED = 3.0
 
 
 def draw_in(sheet: Sheet, state: State, edges: list[str]) -> dict[str, float] | None:
@@ -189,7 +192,7 @@ def judge(job: Job, document: DrapeDocument, state: State) -> bool:
     faults = list(_faults(document, state.fields))
     job.console.warn(*faults)
     document.status = "; ".join([*([] if document.status is None else [document.status]), *faults]) or None
-    if document.stands_through_mm and document.stands_through_at_mm:
+    if document.stands_through_mm and document.stands_through_at_mm and not faults:
         spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
         if document.stands_through_mm > THROUGH * spacing:
             x, y = document.stands_through_at_mm.flat
@@ -209,6 +212,12 @@ def _faults(document: DrapeDocument, fields: Answers) -> Iterator[str]:
             f"the law is unstable where it is used: at a stretch of {fields.cells.stretch[worst]:.3f} more strain "
             "takes less stress; fit the fabric again with --stable"
         )
+    elif fields.cells is not None and (gone := lost(fields.cells.law, fields.cells.strain)).any():
+        stretch = float(fields.cells.stretch.ravel()[gone].max())
+        yield (
+            f"at a stretch of {stretch:.3f} the law lets the stretch gather in bands without width (ellipticity is "
+            "lost): no finer --grid would find this sheet again; less --depth, or fit a law that stiffens"
+        )
     for name, use in (("warp", document.warp), ("weft", document.weft)):
         if use.softens_at is not None:
             yield (
@@ -221,15 +230,21 @@ def _faults(document: DrapeDocument, fields: Answers) -> Iterator[str]:
                 f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
             )
     through = document.stands_through_mm or 0.0
+    remedy = "take a finer --grid"
+    if fields.cells is not None and (from_on := lost_from(fields.cells.law, LOOKED)) is not None:
+        remedy = (
+            f"the law lets the stretch gather in bands from a stretch of {from_on:.3g} on, and the sheet gives way "
+            "there: less --depth, or fit a law that stiffens"
+        )
     if document.depth_mm > 0.0 and not (document.contact_nodes or document.contact_edges):
         yield (
-            "no node of the grid rests on the mold: it passes between the nodes (take a finer --grid), or the sheet "
+            f"no node of the grid rests on the mold: it passes between the nodes ({remedy}), or the sheet "
             "has slipped off it (less --depth)"
         )
     elif through >= 0.5 * document.depth_mm > 0.0 and document.force_N <= document.residual_max_N:
         yield (
             f"the mold stands {through:.3g} mm out through the net and bears nothing of it: it has passed between the "
-            "nodes (take a finer --grid)"
+            f"nodes ({remedy})"
         )
 
 
