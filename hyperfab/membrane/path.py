@@ -9,7 +9,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.contact import Frictionless
-from hyperfab.membrane.ellipticity import Weakest, weakest
+from hyperfab.membrane.ellipticity import Weakest, lost, weakest
 from hyperfab.membrane.equilibrium import NoEquilibriumError, Press, State
 from hyperfab.membrane.punch import Punch, Sphere
 from hyperfab.membrane.sheet import Sheet
@@ -29,6 +29,8 @@ _ODD_WORK = 0.05
 _MOST_CHANGE = 3.0
 #: How far beyond the last equilibrium one may be sought that no path leads to, over the sheet's reach.
 _LEAP = 0.75
+#: The least part of the first depth at which a path is begun, and where the constants let stretch gather in bands.
+_BEGUN, _BEGUN_IN_BANDS = 0.02, 0.1
 #: Part of the expected way to a turning point that is tried at once.
 _SHY = 0.8
 #: Rounds of the active-set method for a first guess of the shape.
@@ -45,10 +47,13 @@ Watch = Callable[[State], None]
 
 
 class LostEllipticityError(NoEquilibriumError):
-    """An equilibrium at which the sheet may gather its stretch in ever narrower bands; ``where`` it may first."""
+    """A shape at which the sheet may gather its stretch in ever narrower bands; ``where`` it may first."""
 
     def __init__(self, where: Weakest) -> None:
-        super().__init__("the constants allow ever narrower bands of stretch there")
+        super().__init__(
+            f"at stretches {where.stretches[0]:.3f} and {where.stretches[1]:.3f} the constants let the stretch gather "
+            "in bands without width (ellipticity is lost)"
+        )
         self.where = where
 
 
@@ -136,6 +141,10 @@ def cold_start(press: Press, depth: float) -> State:
         # Parts of a sheet that was mounted slack hang.
         state = free.equilibrium(depth, places, touching, cold=True, careful=press.sheet.prestretch < 1.0)
     except NoEquilibriumError:
+        with np.errstate(all="ignore"):
+            bands = lost(press.sheet.law, press.sheet.strain(places)).any()
+        if bands:  # where those of a film already may gather, careful steps wander without end
+            raise LostEllipticityError(weakest(press.sheet, places)) from None
         state = free.equilibrium(depth, places, touching, cold=True, careful=True)
     if not press.tangential.remembers or state.force == 0.0:
         return state
@@ -161,7 +170,8 @@ def _advance(press: Press, footings: list[Footing], target: float, smallest: flo
                 raise NoEquilibriumError(f"too many steps failed, the last one because: {error}") from error
             ahead = _turning_ahead(footings)
             step = 0.5 * step if ahead is None else min(0.5 * step, _SHY * ahead)
-            if step < smallest or (not footings and step < 0.02 * target):
+            barely = _BEGUN_IN_BANDS if isinstance(error, LostEllipticityError) else _BEGUN
+            if step < smallest or (not footings and step < barely * target):
                 raise
             continue
         footings.append(found)
@@ -246,7 +256,8 @@ def _turning_ahead(footings: list[Footing]) -> float | None:
 def _limit(footings: list[Footing], target: float, error: NoEquilibriumError) -> Limit:
     """Say why the path ended. At a turning point the speed grows as one over the root of the depth that is left."""
     if not footings:
-        return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {error}")
+        bands = error.where if isinstance(error, LostEllipticityError) else None
+        return Limit(0.0, f"no equilibrium was found from a cold start up to {target:.4g} mm: {error}", bands=bands)
     reached = footings[-1].state.depth
     if isinstance(error, LostEllipticityError):
         x, y = error.where.at

@@ -10,7 +10,7 @@ import pytest
 from hyperfab.materials import bind
 from hyperfab.membrane import outline
 from hyperfab.membrane.ellipticity import acoustic
-from hyperfab.membrane.equilibrium import NoEquilibriumError
+from hyperfab.membrane.equilibrium import NoEquilibriumError, Press
 from hyperfab.membrane.path import Footing, cold_start
 from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 from hyperfab.membrane.tension_field import IsotropicSheet
@@ -65,6 +65,25 @@ def test_a_path_ends_where_the_stretch_gathers_in_bands():
     assert path.limit.turning_point is None
     assert not path.jumps
     assert "bands" in path.limit.reason
+
+
+def test_constants_that_gather_stretch_almost_from_rest_are_told_before_a_careful_start(monkeypatch):
+    """Hundreds of careful steps a depth found nothing either: the film over the sphere is beyond ellipticity."""
+    careful, plain = [], Press.equilibrium
+
+    def watched(self, depth, *given, **how):
+        careful.append(how.get("careful", False))
+        return plain(self, depth, *given, **how)
+
+    monkeypatch.setattr(Press, "equilibrium", watched)
+    law = IsotropicSheet(bind("mooney-rivlin-2", {"C10_MPa": -0.195, "C01_MPa": 0.1951}))
+    _, path = rough_path(SphereTest(outline.Disc(100.0, quarter=True), law, 1.0, 40.0), [7.5, 60.0])
+    assert not any(careful)
+    assert path.limit is not None
+    assert path.limit.bands is not None
+    assert 1.0 < path.limit.bands.stretches[0] < 1.01
+    assert "bands" in path.limit.reason
+    assert not path.states
 
 
 def test_a_path_that_only_halves_its_steps_is_given_up(monkeypatch):

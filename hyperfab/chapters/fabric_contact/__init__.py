@@ -43,7 +43,10 @@ def run(job: Job, case: ContactCase) -> int:
     ]
     found = document(setup, tested)
     if not outcomes[0].solved:
-        raise NotConverged(tested[0].status or "no equilibrium", remedy="try a larger first --depth")
+        limit = outcomes[0].path.limit
+        gathers = limit is not None and limit.bands is not None
+        remedy = "fit the fabric again with --stable" if gathers else "try a larger first --depth"
+        raise NotConverged(tested[0].status or "no equilibrium", remedy=remedy)
     for letter, one in zip("AB", tested, strict=False):
         if one.outcome.solved:
             # A sheet that hangs slack carries nothing: its law is not asked below 1.
