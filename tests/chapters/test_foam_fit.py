@@ -90,6 +90,24 @@ def test_the_press_takes_the_fitted_foam_at_its_temperature(foam, hf) -> None:
     assert 1.0 < force["foam.json", 110] / force["half.toml", 20] < 2.0
 
 
+@pytest.mark.slow
+def test_strips_too_stiff_beside_shear_for_any_isotropic_law_are_told(hf, tmp_path) -> None:
+    """Two measured foams are so: their fits were bad and their loops unexplained without a word why."""
+    law, stretch = Hyperfoam((0.1, 0.05), (6.0, -3.0), (0.3, 0.3)), np.linspace(0.0, 0.3, 30)
+    for name, heads, at, factor in (
+        ("uniaxial", "stretch [-],stress [MPa]", 1.0, 1.6),
+        ("simple-shear", "shear strain [-],shear stress [MPa]", 0.0, 1.0),
+    ):
+        stress = factor * law.stress(name, at + stretch)
+        rows = "".join(f"{a:.6g},{b:.6g}\n" for a, b in zip(at + stretch, stress, strict=True))
+        (tmp_path / f"{name}.csv").write_text(f"# test: {name}\n{heads}\n{rows}")
+    files = ("uniaxial.csv", "simple-shear.csv")
+    fitted = hf("fit", *files, "--model", "hyperfoam-1", "-o", "foam.json", cwd=tmp_path)
+    closed = hf("close-loop", "foam.json", *files, "-o", "loop.json", cwd=tmp_path)
+    for run in (fitted, closed):
+        assert b"E/G = 4.1, where an isotropic law has 2 (Poisson's ratio 0) to 3 (0.5)" in run.stderr
+
+
 def test_a_foam_is_no_fabric(foam, hf) -> None:
     run = hf("fabric-contact", "foam.json", "--shape", "disc", "--size", "100mm", "--sphere-radius", "20mm",
              "--depth", "10mm", cwd=foam)  # fmt: skip

@@ -34,6 +34,7 @@ from hyperfab.materials.effects.path import MODE_NAMES
 from hyperfab.materials.hyperfoam import ORDERS
 from hyperfab.materials.modes import OF_A_SHEET, SIMPLE_SHEAR
 from hyperfab.materials.registry import carried_by, law_of, stiffness_at_rest
+from hyperfab.materials.rest import beyond_isotropy
 from hyperfab.materials.stability import stable_ranges
 
 #: Work of a usual run, in refits, for the progress line.
@@ -72,6 +73,8 @@ def run(job: Job, given: Given) -> int:
             "from one law for all directions"
         )
     tests.warnings += map(str, misread(problem.curves, problem.measured))
+    stiff = beyond_isotropy(tests.tests) if foam else None
+    tests.warnings += [] if stiff is None else [stiff]
     rows, free = len(problem.measured), len(problem.own)
     if rows < free + _SPARE:
         raise InputError(

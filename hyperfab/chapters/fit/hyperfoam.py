@@ -28,6 +28,7 @@ from hyperfab.materials.hyperfoam import Hyperfoam, Rows
 from hyperfab.materials.identification.hyperfoam import identify, optimum
 from hyperfab.materials.identification.plateau import Plateau, plateau, table_of
 from hyperfab.materials.identification.quality import Certainty, sure_of
+from hyperfab.materials.rest import beyond_isotropy
 from hyperfab.report.figures_fit import fit_figure
 
 #: A Poisson's ratio this near to what bounds it was not found by the tests.
@@ -181,6 +182,8 @@ def fit_foam(readings: Readings, setting: Setting, terms: int) -> FoamFit:
     readings.warnings.extend([] if flat is None else [str(flat)])
     temperatures = temperatures_of(used)
     reference = reference_of(temperatures)
+    apart = beyond_isotropy(one for one in used if one.is_at(temperatures[reference]))
+    readings.warnings.extend([] if apart is None else [apart])
     first = identify(_tests(used, temperatures[reference]), terms)
     laws = [
         first if k == reference else identify(_tests(used, t), terms, near=first) for k, t in enumerate(temperatures)
