@@ -15,6 +15,7 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
+from hyperfab.chapters.close_loop.press_places import on_front, told_of_places
 from hyperfab.chapters.close_loop.readings import once, pushed, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.upstream_written import WRITTEN
@@ -36,9 +37,6 @@ from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
 from hyperfab.loop.press_table import press_table
-from hyperfab.pressing.curved import barycentric
-from hyperfab.pressing.mold import PressFrame
-from hyperfab.surface import Surface
 
 #: Columns of readings at places, their unit, and the kind of reading each is.
 _COLUMNS = {
@@ -49,8 +47,6 @@ _COLUMNS = {
     "height": "length",
 }
 _OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
-#: Places further off the male's front than this share of its size are of another mold.
-_OFF = 0.03
 
 
 def run(job: Job, given: Given) -> int:
@@ -74,6 +70,10 @@ def run(job: Job, given: Given) -> int:
         for one in files.measured:
             if one.temperature is not None:
                 note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
+        for one in [*files.measured, *files.apart]:
+            said, warned = told_of_places(told, one)
+            files.preparation.extend(said)
+            warnings.extend(warned)
         check_unchanged(job, made, [*given.case.readings, *given.case.held])
         advance(0.15, "gaps over the stroke")
         problem, others = pose(told, files.measured, given.surely, given.case.fix, files.apart)
@@ -201,7 +201,6 @@ def pose(
     travel = max((float(np.max(r.stroke)) for r in every if r.stroke is not None), default=0.0)
     whole, summed, correction = press_table(closed, plan_of(told), travel, _stays(told))
     placed = []
-    front = Surface(closed.cold, closed.front.faces)
     setting = setting_of(told)
     if _foam_of(told).sets and told.formed is None and any(one.kind == "formed" for one in every):
         raise InputError(
@@ -210,7 +209,7 @@ def pose(
         )  # fmt: skip
     for reading in (_in_press(told, setting, one) for one in every):
         at_places = reading.places is not None and reading.kind != "mounting"
-        placed.append(on_front(front, told.frame, reading) if at_places else reading)
+        placed.append(on_front(told, reading) if at_places else reading)
     spare = np.linspace(0, len(whole.foam) - 1, 80).astype(np.int64)
     chosen = np.unique(np.concatenate([spare, *(one.corners.ravel() for one in placed if one.corners is not None)]))
     placed = [
@@ -317,21 +316,3 @@ def plan_of(told: PressResult) -> Array:
     half = np.where(high > low, 0.5 * (high - low), 1.0)
     scaled = (told.frame.outward(told.closed.cold) - 0.5 * (low + high)) / half
     return np.asarray(scaled[:, [i for i, axis in enumerate("xyz") if axis != told.frame.axis]])
-
-
-def on_front(front: Surface, frame: PressFrame, reading: Reading) -> Reading:
-    """Return a reading at places with the corners (m, 3) of the facets nearest to them, and their weights on these."""
-    assert reading.places is not None
-    near = front.nearest(frame.inward(reading.places))
-    size = float(np.ptp(front.vertices, axis=0).max())
-    off = np.abs(near.distance)
-    far = int(np.argmax(off))
-    if off[far] > _OFF * size:
-        x, y, z = reading.places[far]
-        raise InputError(
-            f"the place ({x:.4g}, {y:.4g}, {z:.4g}) mm is {off[far]:.3g} mm off the molding surface of the male",
-            file=reading.name,
-            remedy="give places on the male, in the coordinates of its STL",
-        )
-    weights = barycentric(front, near.face, near.point)
-    return replace(reading, corners=front.faces[near.face], weights=weights / weights.sum(axis=1, keepdims=True))

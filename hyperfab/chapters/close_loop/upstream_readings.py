@@ -10,7 +10,8 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from hyperfab.arrays import Array
-from hyperfab.chapters.close_loop.press import on_front, plan_of
+from hyperfab.chapters.close_loop.press import plan_of
+from hyperfab.chapters.close_loop.press_places import on_front
 from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.press import STROKE_SD, PressProblem
@@ -19,7 +20,6 @@ from hyperfab.loop.press_table import PressTable, press_table
 from hyperfab.loop.upstream import Readings
 from hyperfab.pressing.nearby import Found
 from hyperfab.pressing.sandwich import Sandwich
-from hyperfab.surface import Surface
 
 #: Readings that are traced: those taken at places while the press is closed, and while it closes.
 KINDS = ("pressure", "thickness", "contact", "force")
@@ -78,8 +78,7 @@ def seen_in(told: PressResult, readings: Sequence[Reading]) -> Callable[..., Arr
     """Return what shows the readings (n,) of a press: on the male's front, by a ``sandwich`` in gaps at its vertices
     (``gap``, the nearest, and ``touch`` along the normal); and the force over the stroke, of a press beside it as it
     was ``found`` closed."""
-    front = Surface(told.closed.cold, told.closed.front.faces)
-    there = [one if one.places is None else on_front(front, told.frame, one) for one in readings]
+    there = [one if one.places is None else on_front(told, one) for one in readings]
     travel = [float(np.max(one.stroke)) for one in readings if one.stroke is not None]
     pushed = Pushed.of(told, max(travel)) if travel else None
 
