@@ -1,19 +1,25 @@
-"""Readings that the model meets without any effect, but for where their instrument counts from."""
+"""Readings that the model meets without any effect, but for where their instrument counts from, or how late it is."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.engine import Finding
+from hyperfab.loop.fabric import FabricProblem
 from hyperfab.loop.fitting import Fit, fit
 from hyperfab.loop.known import FilesProblem
-from hyperfab.loop.problem import Problem
-from hyperfab.loop.thresholds import FEWEST, MARGIN, SHARE, SMALL
+from hyperfab.loop.problem import Constant, Problem
+from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL, TOLD
 
 #: Times that the offset of a load cell is brought nearer to what suits the readings best: the model's own constants go
 #: with it, and are linear in it but for their bounds.
 _NEARER = 3
+#: How late a force may be, as a share of the time that the shortest test took.
+_LATEST = 0.1
 
 
 def another_frame(problem: Problem, found: Finding) -> list[str]:
@@ -147,3 +153,47 @@ def _is_all(found: Finding, freed: Fit, read: Ints) -> bool:
     )
     little = after if found.verdict != "unexplained" else 0.0
     return beyond > SMALL**2 and left <= max(SHARE * beyond, SMALL**2, little)
+
+
+@dataclass(kw_only=True)
+class _Late(FabricProblem):
+    """Tests whose forces were all read late: the last of the own constants is by how many seconds."""
+
+    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
+        shown, late = super().predict(own, terms).copy(), float(own[-1])
+        for curve in self.curves:
+            if curve.channel == 0:
+                clock = self.fabric.path.time_s[curve.rows]
+                shown[curve.rows] = np.interp(clock - late, clock, shown[curve.rows])
+        return shown
+
+
+def late_force(problem: Problem, found: Finding) -> list[str]:
+    """Return by how much the forces would be read later than the stretches, where that is most of what is missed by.
+
+    A material that is lossy is stiffer on its way out, one whose force comes late is softer there, as if it gave work:
+    nothing in the catalogue may be that. A stretch that is read late is a lossy material.
+    """
+    if not isinstance(problem, FabricProblem) or found.verdict != "unexplained":
+        return []
+    clocks = [problem.fabric.path.time_s[curve.rows] for curve in problem.curves if curve.channel == 0]
+    if not all(np.all(np.isfinite(clock)) and np.all(np.diff(clock) > 0.0) for clock in clocks):
+        return []
+    most = _LATEST * min(float(np.ptp(clock)) for clock in clocks)
+    late = Constant("force.late_s", 0.0, -most, most, 0.01 * most)
+    given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
+    timed, after = _Late(**given | {"own": (*problem.own, late)}), found.after.fit
+    start = np.concatenate([after.x[: after.own], [0.0], after.x[after.own :]])
+    freed = fit(timed, found.noise, after.forms, start)
+    seconds, sd = float(freed.x[after.own]), float(freed.sd[after.own])
+    beyond, left = (float(np.mean(one.residual**2)) - 1.0 for one in (after, freed))
+    if not TOLD * sd < seconds < most or left > max((1.0 - MOST) * beyond, SMALL**2):
+        return []
+    rms = [
+        float(np.sqrt(np.mean((problem.measured - one.predicted)[problem.channel == 0] ** 2))) for one in (after, freed)
+    ]
+    return [
+        f"Were the force read {seconds:.2g} s later than the stretch, the model would miss these readings by "
+        f"{rms[1]:.3g} {problem.units[0]}, {rms[0]:.3g} as they are: look at the filter of the load cell's amplifier "
+        "and at both clocks before anything is said to lack."
+    ]

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, size_of, told_of
-from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero, late_force, untared
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
@@ -68,7 +68,8 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
-    lines += [*another_frame(problem, found), *another_zero(problem, found), *untared(problem, found)]
+    for look in (another_frame, another_zero, untared, late_force):
+        lines += look(problem, found)
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
         told = "; ".join(f"{name}: {by.get(name, _OWN)}" for name in document.indistinguishable[0])
