@@ -159,7 +159,10 @@ def _worst_by_chance(fit: Fit, noise: Noise, curves: Sequence[Curve]) -> float:
 
 
 def _degrees(fit: Fit) -> float:
-    return float(max(len(fit.residual) - len(fit.x), 1))
+    """Return how many rows are free; a film's that read nothing, where the model has nothing whatever its constants
+    are, tell nothing of noise."""
+    told = (fit.residual != 0.0) | np.any(fit.jacobian != 0.0, axis=1)
+    return float(max(int(np.count_nonzero(told)) - len(fit.x), 1))
 
 
 def autocorrelation(residual: Array, curves: Sequence[Curve]) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve
+from hyperfab.loop.scatter import Guess, guess_of_cloud, guess_of_curve, usual_noise
 from hyperfab.loop.thresholds import FEWEST
 from hyperfab.pressing.foam_law import FoamLaw
 from hyperfab.pressing.sandwich import Sandwich
@@ -139,7 +139,10 @@ def _cloud(kind: str, places: Array, values: Array, predicted: Array) -> Guess:
     if kind == "contact":
         return _edge(values, predicted, plain)
     less = guess_of_cloud(places, values - predicted, np.abs(values))
-    return min(plain, less, key=lambda guess: guess.size)
+    guess = min(plain, less, key=lambda guess: guess.size)
+    # Of so few neighbours are as far off each other by what presses there: by them no instrument is louder than usual.
+    few = usual_noise(np.abs(values))
+    return few if len(values) < 2 * FEWEST and guess.size > few.size else guess
 
 
 def _edge(values: Array, predicted: Array, plain: Guess) -> Guess:

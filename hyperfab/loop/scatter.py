@@ -16,6 +16,8 @@ from hyperfab.loop.thresholds import FEWEST, MARGIN, UNLIKELY
 
 #: Neighbours a plane is laid through.
 _NEIGHBOURS = 9
+#: Degrees of freedom that a usual noise counts for.
+_KNOWN = 4.0
 #: Two readings nearer than this share of the cloud's size are repeats of each other.
 _SAME = 1e-6
 
@@ -155,7 +157,7 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
         return Guess(spread, float(len(pairs)), source, apart, 0.5 * (level[pairs[:, 0]] + level[pairs[:, 1]]))
     count = min(_NEIGHBOURS, len(values) - 1)
     if count < 5:
-        return _usual(level)
+        return usual_noise(level)
     _, near = tree.query(places, count + 1)
     left = np.empty(len(values))
     for i, (mine, others) in enumerate(zip(near[:, 0], near[:, 1:], strict=True)):
@@ -166,12 +168,13 @@ def guess_of_cloud(places: Array, values: Array, level: Array | None = None) -> 
     return Guess(max(_size(left), 1e-6 * top), max(0.5 * len(values), 2.0), source, left, level[near[:, 0]])
 
 
-def _usual(level: Array) -> Guess:
+def usual_noise(level: Array) -> Guess:
     """Return the noise that is taken of too few readings to tell, ``level`` (n,) being their size.
 
     Of what was read, never of what a model misses: a share of a misfit is less than the misfit whatever the model.
+    It is known by so much that five times as loud an instrument, one of a tenth of its largest reading, is no chance.
     """
-    return Guess(USUAL * (float(np.max(np.abs(level), initial=0.0)) or 1.0), 2.0, ASSUMED)
+    return Guess(USUAL * (float(np.max(np.abs(level), initial=0.0)) or 1.0), _KNOWN, ASSUMED)
 
 
 def _size(left: Array) -> float:
@@ -248,5 +251,5 @@ def guess_of_curve(
     left = np.concatenate(found)
     top = float(np.max(np.abs(values), initial=0.0)) or 1.0
     if len(left) < 4:
-        return _usual(level)
+        return usual_noise(level)
     return Guess(max(_size(left), 1e-6 * top), max(0.4 * len(left), 2.0), source, left, np.concatenate(sizes))

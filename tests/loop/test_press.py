@@ -18,9 +18,12 @@ from hyperfab.chapters.close_loop.press import pose
 from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.loop.catalogue.press import thickness_variation
 from hyperfab.loop.engine import Finding
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.judge import judge
 from hyperfab.loop.press import PressProblem
 from hyperfab.loop.press_reading import CONTACT_BLUR, Changes, Reading, variation
 from hyperfab.loop.press_table import PressTable
+from hyperfab.loop.thresholds import ALPHA
 from hyperfab.pressing.mold import Pose, guide_line
 
 
@@ -326,6 +329,29 @@ def test_a_film_shows_nothing_below_the_least_it_can() -> None:
     assert Reading("fine", "pressure", np.maximum(read, 0.0)).least == 0.0
     assert Reading("all", "pressure", 0.2 + np.abs(read)).least == 0.0
     assert Reading("paste", "contact", (read > 0.2).astype(float)).least == 0.0
+
+
+@pytest.mark.parametrize(("count", "assumed"), [(7, True), (12, True), (60, False)])
+def test_few_places_make_no_film_louder_than_is_usual(count: int, assumed: bool) -> None:
+    """What few places differ by is what presses there; many that have no field show what the film scatters by."""
+    random = np.random.default_rng(count)
+    values = np.append(random.uniform(0.2, 1.8, count), np.zeros(20))
+    film = Reading("film", "pressure", values, places=random.uniform(-50.0, 50.0, (count + 20, 3)))
+    guess = film.guess(np.ones(count + 20))
+    assert guess.is_assumed is assumed
+    assert (guess.size > 0.2) is not assumed
+
+
+@pytest.mark.parametrize(("share", "noise"), [(1.0, True), (0.5, False)])
+def test_places_that_nothing_presses_hide_no_misfit_of_the_few_that_are_pressed(share: float, noise: bool) -> None:
+    random = np.random.default_rng(5)
+    whole = blind_press.as_readings(caps.measure(caps.Truth(()), random, 0.0, "film"))[0]
+    shown, none = np.flatnonzero(whole.values > 0.2 * np.max(whole.values))[:6], np.flatnonzero(whole.values == 0.0)
+    film = whole.rows(np.concatenate([shown[::2], none[:20]]))
+    problem = pose(blind_press.told(), [replace(film, values=share * film.values)], 0.1, [])[0]
+    level = Files(problem.files).noise(problem, None)
+    judged = judge(problem, level, fit(problem, level, {}, problem.given), [])
+    assert (judged.p_lack_of_fit > ALPHA / 3.0) is noise
 
 
 def off_axis() -> tuple[Reading, Reading]:

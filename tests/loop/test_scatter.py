@@ -136,5 +136,5 @@ def test_too_few_readings_to_tell_have_a_share_of_what_was_read_not_of_the_misfi
         guess_of_curve(left, np.arange(float(count)), level=read),
     ):
         assert found.is_assumed
-        assert found.dof == 2.0
+        assert found.dof == 4.0
         assert found.size == pytest.approx(0.02 * read.max())
