@@ -15,13 +15,14 @@ from scipy.spatial.transform import Rotation
 from scipy.special import gamma, kv
 
 from hyperfab.chapters.close_loop import coupled
-from hyperfab.chapters.close_loop.origins import another_frame, another_zero, untared
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero, off_the_sheet, untared
 from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.close_loop.words import another_unit, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
 from hyperfab.loop.emulator import Axis, emulate
 from hyperfab.loop.engine import close
+from hyperfab.loop.fitting import fit
 from hyperfab.loop.kriging import _LENGTH, _matern, krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
@@ -122,6 +123,33 @@ def test_every_effect_at_its_null_leaves_the_prediction_the_same_to_the_bit(
             assert np.array_equal(null, plain), (effect.id, form.name)
             moved = problem.predict(own, {effect.id: (form.name, np.array(form.starts[0]))})
             assert np.max(np.abs(moved - plain)) > 1e-6, (effect.id, form.name)
+
+
+@pytest.mark.parametrize(
+    ("off", "wave", "told"), [(0.3, 0.0, True), (-0.3, 0.0, True), (0.0, 0.0, False), (0.3, 0.3, False)]
+)
+def test_markers_on_a_face_of_the_cloth_are_told(off: float, wave: float, told: bool) -> None:
+    """Not where they are where the sheet is, nor where that is not all that is missed."""
+    problem, line = drape(), np.linspace(-100.0, 100.0, 21)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    sheet = np.stack([x, y, 40.0 * np.exp(-((x / 60.0) ** 2) - (y / 60.0) ** 2)], axis=2)
+    problem = problem.on(replace(problem.draped, base=sheet))
+    rng, read = np.random.default_rng(7), []
+    for one in problem.files:
+        x, y = one.flat.T
+        height = 40.0 * np.exp(-((x / 60.0) ** 2) - (y / 60.0) ** 2)
+        up = np.stack([2.0 * x / 60.0**2 * height, 2.0 * y / 60.0**2 * height, np.ones_like(x)])
+        read.append((off * up / np.linalg.norm(up, axis=0) + wave * np.sin(0.1 * x)).ravel())
+    shown = np.concatenate(read)
+    problem.measured = problem.delivered.copy()
+    problem.measured[: len(shown)] += shown + 0.02 * rng.standard_normal(len(shown))
+    noise = Noise(np.full(len(problem.measured), 0.02), np.inf, "stated")
+    before = SimpleNamespace(fit=fit(problem, noise, {}, problem.given))
+    lines = off_the_sheet(problem, SimpleNamespace(verdict="unexplained", noise=noise, before=before, after=before))
+    assert bool(lines) is told
+    for said in lines:
+        assert float(re.search(r"markers (\S+) mm", said)[1]) == pytest.approx(abs(off), abs=0.03)
+        assert ("above" if off > 0.0 else "below") in said
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,8 @@ from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, SHARE, SMALL, TOLD
 #: Times that the offset of a load cell is brought nearer to what suits the readings best: the model's own constants go
 #: with it, and are linear in it but for their bounds.
 _NEARER = 3
+#: How far on the flat sheet, as a share of its size, its normals are taken over.
+_ASIDE = 0.01
 #: How late a force may be, as a share of the time that the shortest test took.
 _LATEST = 0.1
 
@@ -61,6 +63,39 @@ def another_frame(problem: Problem, found: Finding) -> list[str]:
 
 def _size(scale: float) -> str:
     return "large" if scale > 1.0 else "small"
+
+
+def off_the_sheet(problem: Problem, found: Finding) -> list[str]:
+    """Return by how much all markers would lie off the sheet, along its normals, where that is all the model misses
+    them by: those on the far face of a cloth do."""
+    if "axis" not in problem.states or found.verdict == "noise":
+        return []
+    from hyperfab.loop.drape import DrapeProblem, at_markers  # its splines take a while to load
+
+    if not isinstance(problem, DrapeProblem):
+        return []
+    normals = []
+    for one in problem.files:
+        steps = _ASIDE * max(problem.draped.size) * np.eye(2)
+        along = [
+            at_markers(problem.draped, one.flat + step)[0][0] - at_markers(problem.draped, one.flat - step)[0][0]
+            for step in steps
+        ]
+        normal = np.cross(*along)
+        normal *= np.sign(normal[:, 2:]) / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+        normals.append(normal.T.ravel())
+    read = np.arange(sum(map(len, normals)))
+    shape = np.zeros(len(problem.measured))
+    shape[read] = np.concatenate(normals)
+    offset, freed = _off_zero(problem, found, shape)
+    if not _is_all(found, freed, read) or freed.chi2 > found.after.fit.chi2 + MARGIN:
+        return []
+    way = "above" if offset > 0.0 else "below"
+    return [
+        f"Were the markers {abs(offset):.2g} mm {way} the sheet throughout, along its normals, the model would meet "
+        "them without any effect: its sheet has no thickness; look on which face of the cloth they are, and take what "
+        "they stand off it off before anything is said to lack."
+    ]
 
 
 def another_zero(problem: Problem, found: Finding) -> list[str]:
@@ -133,7 +168,7 @@ def _off_zero(problem: Problem, found: Finding, shape: Array) -> tuple[float, Fi
     """Return the offset of a load cell, times ``shape`` (rows,), that suits the readings best, and the fit with it."""
     before = found.before.fit
     offset, freed = 0.0, before
-    step = float(np.sqrt(np.mean((problem.measured - before.predicted)[shape > 0.0] ** 2)))
+    step = float(np.sqrt(np.mean((problem.measured - before.predicted)[shape != 0.0] ** 2)))
     for _ in range(_NEARER):
         last = freed
         freed = fit(problem, found.noise, {}, before.x, data=problem.measured - (offset + step) * shape)

@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import missed_by_more, not_added, refused, silent, size_of, told_of
-from hyperfab.chapters.close_loop.origins import another_frame, another_zero, late_force, untared
+from hyperfab.chapters.close_loop.origins import another_frame, another_zero, late_force, off_the_sheet, untared
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
@@ -68,7 +68,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
         lines.append(f"These data cannot tell apart: {sets}.")
     if document.verdict == "unexplained":
         lines += _unexplained(problem, found, document)
-    for look in (another_frame, another_zero, untared, late_force):
+    for look in (another_frame, off_the_sheet, another_zero, untared, late_force):
         lines += look(problem, found)
     if document.indistinguishable:
         by = {row.id: row.shown_by for row in document.candidates}
