@@ -285,7 +285,7 @@ def leaving(names: tuple[str, ...], left: float) -> Any:
     )
     chi2 = (1.0 + left**2) * 1000.0
     residual = np.full(1000, np.sqrt(chi2 / 1000.0))
-    found = SimpleNamespace(residual=residual, x=np.empty(0), chi2=chi2, forms={})
+    found = SimpleNamespace(residual=residual, jacobian=np.ones((len(residual), 1)), x=np.empty(0), chi2=chi2, forms={})
     noise = Noise(np.ones(len(residual)), np.inf, "stated")
     return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=found, judgement=judged(min(left, 0.4)))
 
