@@ -73,7 +73,7 @@ class FabricDocument:
         material = self._bound(own, direction)
         for index, effect in enumerate(self.document.effects or []):
             if effect.get("id") == "elastic-law" and not effect.get("told_by"):
-                material = self._richer(material, effect, f"effects.{index}")
+                material = self._richer(material, effect, f"effects.{index}", direction == "weft")
         if softening is None:
             return material
         factor = self._factor(*softening)
@@ -191,9 +191,9 @@ class FabricDocument:
             place = f"{key}.{error.key}" if error.key in constants else error.key or key
             raise InputError(error.message, file=self.name, key=place, remedy=error.remedy) from None
 
-    def _richer(self, material: Material, effect: Mapping[str, Any], key: str) -> Material:
+    def _richer(self, material: Material, effect: Mapping[str, Any], key: str, weft: bool) -> Material:
         try:
-            return richer(material, str(effect.get("form")), effect.get("parameters") or {})
+            return richer(material, str(effect.get("form")), effect.get("parameters") or {}, weft=weft)
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(
                 f"elastic-law of form {effect.get('form')!r} is not known or lacks {error}",

@@ -105,18 +105,18 @@ class FabricProblem(Problem):
 
         Only second pulls, or several rates and holds, tell what makes loops; that one moves with the rate is told by
         several rates or holds alone. What grips give smoothly with the extension bends all curves of a kind as another
-        law does; what they give with the load does so where there is but one; beside a sheet whose warp and weft
-        differ, and answer to each other, as its law would. Where each direction was tested at a temperature of its own,
-        either may be what they differ by. A zero that wanders beside a stress that relaxes shows where a specimen waits
-        or is let go: in pulls alone both go on as the stretch does, and a law that is not quite the fabric's leaves as
-        much. Where all were pulled along both axes, what each arm has of its own is what warp and weft may differ by.
+        law does; what they give with the load does so where there is but one, or each direction's law is its own;
+        beside a sheet whose warp and weft differ, and answer to each other, as its law would. Where each direction was
+        tested at a temperature of its own, either may be what they differ by. A zero that wanders beside a stress that
+        relaxes shows where a specimen waits or is let go: in pulls alone both go on as the stretch does, and a law that
+        is not quite the fabric's leaves as much. Where all were pulled along both axes, what each arm has of its own is
+        what warp and weft may differ by.
         """
-        context = DataContext(self.law, (), self.fabric.path, self.measured)
+        context = DataContext(self.law, (), self.fabric.path, self.measured, self.both)
         alike = []
         gives = forms["grip-slack"].name if "grip-slack" in forms else ""
         given = {*forms, *self.held}
-        turns = self.both or "anisotropy" in given
-        one_curve = context.has_one_curve(turns=turns, softens="thermal-softening" in given)
+        one_curve = context.has_one_curve(turns="anisotropy" in given, softens="thermal-softening" in given)
         told = context.path.shorter is not None  # the same length is another strain in each
         bends = not told and gives in BENDS and (one_curve or ("anisotropy" in given and context.tells_coupling))
         if bends or (not told and gives == "smooth" and context.has_one_mode):

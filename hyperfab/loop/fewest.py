@@ -43,7 +43,7 @@ def fewest(
     alone = {name: state for name in names if (state := search.freed(before, [name])) is not None}
     for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem, search.noise))[:_LIKELY]:
         if name != plain and plain in names:
-            search.freed(before, [name, plain], of=_kept(search, name, [plain]))
+            search.freed(before, [name, plain])
     found = likeliest(search, before, no_worse)
     if found is None or len({*found.ids} - {plain}) > 1:
         named = dict.fromkeys([*best.ids, *(() if found is None else found.ids)])
@@ -60,7 +60,8 @@ def fewest(
         # What formulas leave may hide a further name, which shows beside their smooth laws.
         judged = len(search.states)
         for effect, _ in search.ranking(whole)[:_FIRST]:
-            search.freed(whole, [effect.id], of=_kept(search, effect.id, whole.ids))
+            # One for which a too poor law could pass stays a formula.
+            search.freed(whole, [effect.id], of=whole.ids if effect.smooth else ())
         found = likeliest(search, before, no_worse)
         if found is None and len(whole.ids) == 1:
             # A second name that leaves no noise either is not given: nor may it pass for sure.
@@ -71,12 +72,6 @@ def fewest(
         nearer = [state for state in nearer if len(state.ids) <= max(len(whole.ids), 1) and _pays(search, state)]
         found = next((one for one in sorted(nearer, key=surprise) if no_worse(one)), None)
     return found or whole
-
-
-def _kept(search: Search, name: str, others: Iterable[str]) -> tuple[str, ...]:
-    """Return the names that are made free beside one, none for all: one for which a too poor law could pass stays a
-    formula."""
-    return tuple(others) if search.problem.effect(name).smooth else ()
 
 
 def _beside(plain: str, names: Iterable[str]) -> tuple[str, ...]:

@@ -254,7 +254,8 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), plain="elastic-law")
     size = (1.0 + left**2) * 1000.0
     forms = {name: SimpleNamespace(free=free and name == names[0], of_each=False) for name in names}
-    fit = SimpleNamespace(residual=np.sqrt(size / 1000.0) * np.ones(1000), x=np.empty(0), chi2=size, forms=forms)
+    residual = np.sqrt(size / 1000.0) * np.ones(1000)
+    fit = SimpleNamespace(residual=residual, jacobian=np.ones((1000, 1)), x=np.empty(0), chi2=size, forms=forms)
     noise = Noise(np.ones(len(fit.residual)), np.inf, "stated")
     judgement = SimpleNamespace(is_noise=False)
     return SimpleNamespace(ids=names, problem=problem, noise=noise, fit=fit, judgement=judgement)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING
@@ -17,6 +17,8 @@ from hyperfab.materials.material import Material
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly
 
+#: What the name of a form ends with whose constants along warp and weft differ.
+EACH_WAY = "-each-way"
 #: Strains, over the largest, at which a smooth law has its values: closer together near rest.
 CLOSE = tuple(((1.0 + CLOSER) ** (k / 6.0) - 1.0) / CLOSER for k in range(1, 7))
 
@@ -75,6 +77,14 @@ class Added:
             lambda sheet, *shape: [*self.terms(sheet, *shape), log_I2(sheet)],
             lately=self.lately,
         )
+
+    def each_way(self) -> Added:
+        """Return the form with other constants along the weft, all but its shape: see ``along``."""
+        return Added((*self.names, *(_of_weft(name) for name in self.linear)), self.terms)
+
+
+def _of_weft(name: str) -> str:
+    return f"{name.removesuffix('_MPa')}_weft_MPa"
 
 
 def _power(sheet: Sheet, n: float) -> Term:
@@ -179,6 +189,7 @@ _OGDEN = Added(("mu_MPa", "alpha"), lambda sheet, alpha: [PowerTerm(alpha)])
 _TOE = Added(("D_MPa", "at", "width"), _straightening)
 _FUNG = Added(("D_MPa", "b"), _exponential)
 _SECOND = Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant)
+_CLOSE = Added(("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close).and_log()
 #: The forms of what is added.
 FORMS: Mapping[str, Added] = {
     "powers": _POWERS,
@@ -199,9 +210,8 @@ FORMS: Mapping[str, Added] = {
     "smooth-mixed": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa", "C11_MPa", "C02_MPa"), _smooth_mixed
     ).and_log(),
-    "smooth-close": Added(
-        ("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close
-    ).and_log(),
+    "smooth-close": _CLOSE,
+    f"smooth-close{EACH_WAY}": _CLOSE.each_way(),
     "straightening-log": _TOE.and_log(),
     "ogden-log": _OGDEN.and_log(),
     "exponential-log": _FUNG.and_log(),
@@ -211,8 +221,25 @@ FORMS: Mapping[str, Added] = {
 }
 
 
-def richer(material: Material, form: str, constants: Mapping[str, float]) -> Material:
-    """Return ``material`` with the terms of a ``form`` of the effect, of these ``constants`` by name.
+def along(form: str, values: Iterable[float], weft: bool) -> tuple[str, list[float]]:
+    """Return the form of one direction and its constants, of one that has others along the ``weft``.
+
+    >>> form, values = along("smooth-close-each-way", [0.5, *range(9), *range(10, 19)], weft=True)
+    >>> form, values
+    ('smooth-close', [0.5, 10, 11, 12, 13, 14, 15, 16, 17, 18])
+    >>> along("ogden", [0.1, 2.0], weft=True)
+    ('ogden', [0.1, 2.0])
+    """
+    one = form.removesuffix(EACH_WAY)
+    if one == form:
+        return form, list(values)
+    named, plain = dict(zip(FORMS[form].names, values, strict=True)), FORMS[one]
+    return one, [named[_of_weft(name) if weft and name in plain.linear else name] for name in plain.names]
+
+
+def richer(material: Material, form: str, constants: Mapping[str, float], *, weft: bool = False) -> Material:
+    """Return ``material``, along the warp or the ``weft``, with the terms of a ``form`` of the effect, of these
+    ``constants`` by name.
 
     With linear constants of zero it answers bit for bit as before. Raises KeyError for a form or constant unknown.
 
@@ -221,9 +248,9 @@ def richer(material: Material, form: str, constants: Mapping[str, float]) -> Mat
     >>> bool(rubber.uniaxial(1.5).P > bind("neo-hookean", {"C10_MPa": 0.2}).uniaxial(1.5).P)
     True
     """
-    law = _Richer(material.law, form)
-    added = FORMS[form]
-    c, shape = added.split(added.of(constants))
+    one, values = along(form, FORMS[form].of(constants), weft)
+    law = _Richer(material.law, one)
+    c, shape = FORMS[one].split(values)
     return Material(law, (*material.c, *c), (*material.theta, *shape))
 
 

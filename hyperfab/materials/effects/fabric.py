@@ -245,13 +245,13 @@ class Fabric:
         if _is_of_threads(terms):
             return self._of_threads(warp, terms, stretches, place)[:2]
 
-        def of(constants: Array) -> tuple[Array, Array]:
-            return self._of_law(constants, terms, stretches, place, needs_energy)
+        def of(constants: Array, across: bool = False) -> tuple[Array, Array]:
+            return self._of_law(constants, terms, stretches, place, needs_energy, across)
 
         if (form := anisotropy.form_of(terms)) is not None:
             return form.answer(of, self.path, stretches[0], warp, terms["anisotropy"][1])
         one = of(warp)
-        return one if weft is None else anisotropy.between(self.path, one, of(weft))
+        return one if weft is None else anisotropy.between(self.path, one, of(weft, True))
 
     def _of_threads(
         self, warp: Array, terms: Terms, stretches: tuple[Array, Array], place: tuple[object, ...]
@@ -286,16 +286,16 @@ class Fabric:
         stretches: tuple[Array, Array],
         place: tuple[object, ...],
         needs_energy: bool,
+        weft: bool = False,
     ) -> tuple[Array, Array]:
         if isinstance(self.law, HyperfoamLaw):
             return self._of_foam(constants, terms, stretches, needs_energy)[:2]
         given = dict(zip(self.law.names, map(float, constants), strict=True))
         if self.law.nonlinear and self.law.refusal(given) is not None:
-            nowhere = np.full_like(stretches[0], np.nan)
-            return nowhere, nowhere
+            return np.full_like(stretches[0], np.nan), np.full_like(stretches[0], np.nan)
         c, theta = self.law.split(given)
-        extra_form, extra = terms.get("elastic-law", ("", np.empty(0)))
-        linear, shape = elastic_law.FORMS[extra_form].split(list(extra)) if extra_form else ([], [])
+        extra_form, extra = elastic_law.along(*terms.get("elastic-law", ("", np.empty(0))), weft)
+        linear, shape = elastic_law.FORMS[extra_form].split(extra) if extra_form else ([], [])
         nu = terms.get("compressibility", ("", np.empty(0)))
         key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
         columns, energies = self._bases.of(

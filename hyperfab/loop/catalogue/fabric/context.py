@@ -76,8 +76,12 @@ class DataContext:
 
     @property
     def several_rates(self) -> bool:
-        """Whether specimens were pulled at rates further apart than one pace is kept, or held."""
-        return self._tell_time(self.path.curves)
+        """Whether specimens were pulled at rates further apart than one pace is kept, or held; of one direction where
+        each has a law of its own."""
+        of_one_law: dict[float, list[slice]] = {}
+        for rows in self.path.curves:
+            of_one_law.setdefault(float(self.path.angle_deg[rows.start]) if self.directions else 0.0, []).append(rows)
+        return any(self._tell_time(curves) for curves in of_one_law.values())
 
     @property
     def clocks(self) -> int:

@@ -10,6 +10,7 @@ import numpy as np
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
+from hyperfab.materials.effects.elastic_law import EACH_WAY
 from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 
@@ -267,6 +268,12 @@ def elastic_law(context: DataContext) -> Effect:
         free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), *more, log)
         start = (far, *(0.01 * size for _ in free))
         smooths += tried_if(tried, freely(forms, name, (fixed("reach", far), *free), start))
+        if name == "smooth-close":
+            of_weft = (replace(one, name=f"{one.name.removesuffix('_MPa')}_weft_MPa") for one in free)
+            each = freely(
+                [*forms, smooths[-1]], f"{name}{EACH_WAY}", (*smooths[-1].constants, *of_weft), (*start, *start[1:])
+            )
+            smooths += tried_if(tried and context.directions, each)
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",

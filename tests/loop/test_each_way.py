@@ -1,0 +1,88 @@
+"""A fabric whose warp and weft have laws of their own: what is added to these differs too, and what then tells what."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hyperfab.chapters.close_loop.extended import extend
+from hyperfab.chapters.close_loop.fabric import pose
+from hyperfab.chapters.close_loop.measured_tests import Measured
+from hyperfab.chapters.fabric import FabricDocument
+from hyperfab.curve import TestCurve
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
+from hyperfab.loop.engine import close
+from hyperfab.loop.fabric import FabricProblem
+
+ALONG = {"warp": {"C10_MPa": 0.02, "C20_MPa": 0.01}, "weft": {"C10_MPa": 0.005, "C20_MPa": 0.001}}
+PULL = np.linspace(1.0, 1.6, 41)
+
+
+def pulls(*of: tuple[float, float, np.ndarray]) -> Measured:
+    """Return pulls by direction [deg] and strain rate [1/s]."""
+    return Measured(
+        [
+            TestCurve("uniaxial", PULL, stress, time_s=(PULL - 1.0) / rate, direction=angle, specimen=str(number))
+            for number, (angle, rate, stress) in enumerate(of)
+        ],
+        "MPa",
+    )
+
+
+def knitted(strain: np.ndarray, stiffness: float, locks: float) -> np.ndarray:
+    """Return the stress [MPa] of loops that straighten, and lock at a strain."""
+    return stiffness * strain * (0.2 + 1.0 / (1.0 + np.exp(-(strain - locks) / 0.05)))
+
+
+@pytest.fixture(scope="module")
+def document() -> MaterialDocument:
+    told = {
+        "format": "hyperfab.material/1",
+        "model": "yeoh-2",
+        "parameters": ALONG["warp"],
+        "thickness_mm": 0.8,
+        "directions": {way: {"parameters": constants} for way, constants in ALONG.items()},
+    }
+    return parse_document(told, "knit.json", MaterialDocument)
+
+
+def posed(document: MaterialDocument, *rates: float) -> FabricProblem:
+    draw = np.random.default_rng(3)
+    read = [
+        knitted(PULL - 1.0, stiffness, locks) + 0.0004 * draw.standard_normal(len(PULL))
+        for stiffness, locks in ((0.3, 0.25), (0.06, 0.45))
+    ]
+    return pose(document, "knit.json", pulls((0.0, rates[0], read[0]), (90.0, rates[1], read[1])))
+
+
+def test_each_direction_is_written_as_it_is_predicted(document: MaterialDocument) -> None:
+    problem = posed(document, 0.01, 0.01)
+    form = problem.effect("elastic-law").form("smooth-close-each-way")
+    values = np.array(form.starts[0]) * np.linspace(1.0, 3.0, len(form.starts[0]))
+    own = np.array([constant.value for constant in problem.own])
+    terms = {"elastic-law": (form.name, values)}
+    thought = problem.predict(own, terms)
+    fit: Any = SimpleNamespace(x=np.concatenate([own, values]), own=len(own), terms=terms)
+    again = FabricDocument(extend(document, problem, fit, problem.law), "loop.json")
+    for way, stress in zip(ALONG, thought.reshape(2, -1), strict=True):
+        forward = [again.material(way).uniaxial(stretch).P for stretch in PULL]
+        np.testing.assert_allclose(forward, stress, rtol=1e-9, atol=1e-12)
+    plain = problem.predict(own, {"elastic-law": ("smooth-close", values[: len(values) // 2 + 1])})
+    assert np.all(thought.reshape(2, -1)[1, 1:] > plain.reshape(2, -1)[1, 1:])
+
+
+def test_rates_that_go_with_the_direction_tell_nothing_of_the_rate(document: MaterialDocument) -> None:
+    assert "one rate" in posed(document, 0.013, 0.005).effect("rate").not_sought
+    twice = pulls(*((angle, rate, PULL - 1.0) for angle in (0.0, 90.0) for rate in (0.01, 0.1)))
+    assert not pose(document, "knit.json", twice).effect("rate").not_sought
+
+
+def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:
+    """Grips that give may bend each direction as its own law would: they are never named alone."""
+    found = close(posed(document, 0.013, 0.005), design=False)
+    assert "elastic-law" in {*found.after.ids, *(name for names in found.indistinguishable for name in names)}
+    assert found.verdict in {"effect", "ambiguous"}
