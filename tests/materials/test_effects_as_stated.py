@@ -658,7 +658,8 @@ ELSEWHERE = (
 #: Smooth laws that are not worked out here; of the energy tests/loop/test_smooth.py has limits.
 NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
-    ("elastic-law", "smooth-close"), ("elastic-law", "smooth-mixed"), ("elastic-law", "smooth-close-each-way"),
+    ("elastic-law", "smooth-close"), ("elastic-law", "smooth-mixed"), ("elastic-law", "smooth-each-way"),
+    ("elastic-law", "smooth-close-each-way"),
     ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
     ("compressibility", "directions-smooth"), ("compressibility", "slanted-smooth"),

@@ -190,6 +190,9 @@ _TOE = Added(("D_MPa", "at", "width"), _straightening)
 _FUNG = Added(("D_MPa", "b"), _exponential)
 _SECOND = Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant)
 _CLOSE = Added(("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close).and_log()
+_SMOOTH = Added(
+    ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
+).and_log()
 #: The forms of what is added.
 FORMS: Mapping[str, Added] = {
     "powers": _POWERS,
@@ -204,9 +207,8 @@ FORMS: Mapping[str, Added] = {
     "second-invariant": _SECOND,
     "second-invariant-log": _SECOND.and_log(),
     "straightening": _TOE,
-    "smooth": Added(
-        ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
-    ).and_log(),
+    "smooth": _SMOOTH,
+    f"smooth{EACH_WAY}": _SMOOTH.each_way(),
     "smooth-mixed": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa", "C11_MPa", "C02_MPa"), _smooth_mixed
     ).and_log(),

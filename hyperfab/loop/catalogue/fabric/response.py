@@ -268,7 +268,7 @@ def elastic_law(context: DataContext) -> Effect:
         free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), *more, log)
         start = (far, *(0.01 * size for _ in free))
         smooths += tried_if(tried, freely(forms, name, (fixed("reach", far), *free), start))
-        if name == "smooth-close":
+        if not more:
             of_weft = (replace(one, name=f"{one.name.removesuffix('_MPa')}_weft_MPa") for one in free)
             each = freely(
                 [*forms, smooths[-1]], f"{name}{EACH_WAY}", (*smooths[-1].constants, *of_weft), (*start, *start[1:])
