@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -80,6 +81,9 @@ def test_rates_that_go_with_the_direction_tell_nothing_of_the_rate(document: Mat
     assert "one rate" in posed(document, 0.013, 0.005).effect("rate").not_sought
     twice = pulls(*((angle, rate, PULL - 1.0) for angle in (0.0, 90.0) for rate in (0.01, 0.1)))
     assert not pose(document, "knit.json", twice).effect("rate").not_sought
+    # A test that states no direction is one along the warp.
+    untold = [replace(one, direction=None) for one in twice.tests[:2]]
+    assert not pose(document, "knit.json", Measured(untold, "MPa")).effect("rate").not_sought
 
 
 def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:

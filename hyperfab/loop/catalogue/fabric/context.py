@@ -1,6 +1,6 @@
 """The tests of a fabric and its law, as the entries of the catalogue are scaled to them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -78,18 +78,23 @@ class DataContext:
     def several_rates(self) -> bool:
         """Whether specimens were pulled at rates further apart than one pace is kept, or held; of one direction where
         each has a law of its own."""
-        of_one_law: dict[float, list[slice]] = {}
-        for rows in self.path.curves:
-            of_one_law.setdefault(float(self.path.angle_deg[rows.start]) if self.directions else 0.0, []).append(rows)
-        return any(self._tell_time(curves) for curves in of_one_law.values())
+        # A test that states no direction is one along the warp.
+        way = _folded(np.nan_to_num(self.path.angle_deg)).round(6) * self.directions
+        return any(map(self._tell_time, self._together(lambda rows: float(way[rows.start]))))
 
     @property
     def clocks(self) -> int:
         """At how many temperatures specimens were pulled at several rates, or held."""
-        at: dict[float, list[slice]] = {}
+        degrees = self.path.temperature_degC
+        return sum(
+            map(self._tell_time, self._together(lambda rows: float(np.round(2.0 * np.mean(degrees[rows])) / 2.0)))
+        )
+
+    def _together(self, state: Callable[[slice], float]) -> list[list[slice]]:
+        found: dict[float, list[slice]] = {}
         for rows in self.path.curves:
-            at.setdefault(float(np.round(2.0 * np.mean(self.path.temperature_degC[rows])) / 2.0), []).append(rows)
-        return sum(self._tell_time(curves) for curves in at.values())
+            found.setdefault(state(rows), []).append(rows)
+        return list(found.values())
 
     @property
     def paces(self) -> Array:

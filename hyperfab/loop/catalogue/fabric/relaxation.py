@@ -41,9 +41,10 @@ def rate(context: DataContext) -> Effect:
         for constant in (Constant(f"mu{k}_MPa", 0.0, 0.0, 100.0 * spring, spring), time)
     )
     viscous = Constant("viscous_MPa", 0.0, 0.0, peak, 0.05 * peak)
-    several = " of a direction" if len(context.paces) > 1 else ""
-    reason = f"the tests{several} have one rate, no hold and no way back"
-    reason = "" if context.unloads or context.several_rates else reason
+    reason = ""
+    if not (context.unloads or context.several_rates):
+        several = " of a direction" if len(context.paces) > 1 else ""
+        reason = f"the tests{several} have one rate, no hold and no way back"
     if not context.path.knows_time:
         reason = "not every test states its times or its rate"
     forms: tuple[Form, ...] = (
