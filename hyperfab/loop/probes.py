@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -97,9 +97,8 @@ def _clock(problem: HeatProblem, found: Finding) -> tuple[str, Array] | None:
     whole = float(np.ptp(problem.runs[0].times))
     late = Constant("log.late_s", 0.0, -_OFF * whole, _OFF * whole, 0.01 * whole, _OFF_SD * whole)
     fast = Constant("log.fast", 0.0, -_OFF, _OFF, 0.01, _OFF_SD)
-    given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
     for moved in ((late,), (fast,), (late, fast)):
-        timed = _Timed(**given | {"own": (*problem.own, *moved)})
+        timed = _Timed.of(problem, moved)
         again = fit(timed, found.noise, {}, timed.given, data=problem.measured, iterations=_STEPS)
         if is_strained(timed, again) or structured(again, timed, found.noise) > SMALL:
             continue

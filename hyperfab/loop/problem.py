@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Any, ClassVar, Self
 
@@ -297,6 +297,12 @@ class Problem(ABC):
     def as_stated(self, own: Array) -> dict[str, float]:
         """Return the ``own`` constants (p,) as a document states them, by name."""
         return dict(zip((one.name for one in self.own), map(float, own), strict=True))
+
+    @classmethod
+    def of(cls, problem: Problem, more: Sequence[Constant]) -> Self:
+        """Return another ``problem`` as one of this kind, which takes the same and has ``more`` own constants."""
+        given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
+        return cls(**given | {"own": (*problem.own, *more)})
 
     def scaled(self, own: Array, factor: float) -> Array:
         """Return the model's own constants where its answer is ``factor`` times as large."""

@@ -197,6 +197,7 @@ class Search:
                 break
             if not (richer := self.richer(best, free, of)):
                 break
+            # A form of more constants leaves less whatever they are for: each has to earn its own here too.
             common = Level.of(richer, self.problem, self.noise)
             found = min(richer, key=lambda one: common.misfit(one) + 2.0 * len(one.x))
             level = Level.of([found], self.problem, self.noise)

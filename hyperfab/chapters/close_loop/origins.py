@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -216,8 +216,7 @@ def late_force(problem: Problem, found: Finding) -> list[str]:
         return []
     most = _LATEST * min(float(np.ptp(clock)) for clock in clocks)
     late = Constant("force.late_s", 0.0, -most, most, 0.01 * most)
-    given = {one.name: getattr(problem, one.name) for one in fields(problem) if one.init}
-    timed, after = _Late(**given | {"own": (*problem.own, late)}), found.after.fit
+    timed, after = _Late.of(problem, [late]), found.after.fit
     start = np.concatenate([after.x[: after.own], [0.0], after.x[after.own :]])
     freed = fit(timed, found.noise, after.forms, start)
     seconds, sd = float(freed.x[after.own]), float(freed.sd[after.own])

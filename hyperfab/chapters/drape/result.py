@@ -230,22 +230,27 @@ def _faults(document: DrapeDocument, fields: Answers) -> Iterator[str]:
                 f"{use.ends_at:.3f}: less --depth, a larger --size, or a law that goes further"
             )
     through = document.stands_through_mm or 0.0
-    remedy = "take a finer --grid"
-    if fields.cells is not None and (from_on := lost_from(fields.cells.law, LOOKED)) is not None:
-        remedy = (
-            f"the law lets the stretch gather in bands from a stretch of {from_on:.3g} on, and the sheet gives way "
-            "there: less --depth, or fit a law that stiffens"
-        )
     if document.depth_mm > 0.0 and not (document.contact_nodes or document.contact_edges):
         yield (
-            f"no node of the grid rests on the mold: it passes between the nodes ({remedy}), or the sheet "
+            f"no node of the grid rests on the mold: it passes between the nodes ({_held_by(fields)}), or the sheet "
             "has slipped off it (less --depth)"
         )
     elif through >= 0.5 * document.depth_mm > 0.0 and document.force_N <= document.residual_max_N:
         yield (
             f"the mold stands {through:.3g} mm out through the net and bears nothing of it: it has passed between the "
-            f"nodes ({remedy})"
+            f"nodes ({_held_by(fields)})"
         )
+
+
+def _held_by(fields: Answers) -> str:
+    """Return what to do where a mold has passed between nodes: of a law that gives way no finer grid would hold it."""
+    from_on = None if fields.cells is None else lost_from(fields.cells.law, LOOKED)
+    if from_on is None:
+        return "take a finer --grid"
+    return (
+        f"the law lets the stretch gather in bands from a stretch of {from_on:.3g} on, and the sheet gives way "
+        "there: less --depth, or fit a law that stiffens"
+    )
 
 
 def tears(job: Job, document: DrapeDocument, sheet: Sheet, state: State, largest: float | None) -> bool:

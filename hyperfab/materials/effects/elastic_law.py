@@ -80,10 +80,15 @@ class Added:
 
     def each_way(self) -> Added:
         """Return the form with other constants along the weft, all but its shape: see ``along``."""
-        return Added((*self.names, *(_of_weft(name) for name in self.linear)), self.terms)
+        return Added((*self.names, *(of_weft(name) for name in self.linear)), self.terms)
 
 
-def _of_weft(name: str) -> str:
+def of_weft(name: str) -> str:
+    """Return what a constant along the weft is called.
+
+    >>> of_weft("C01_MPa")
+    'C01_weft_MPa'
+    """
     return f"{name.removesuffix('_MPa')}_weft_MPa"
 
 
@@ -135,7 +140,7 @@ def _stored() -> PPoly:
 
 
 def _smooth_mixed(sheet: Sheet, reach: float) -> list[Term]:
-    """Return the same and what I2 does beside I1: (I1 - 3)(I2 - 3) and (I2 - 3)^2."""
+    """Return the terms of ``_smooth`` and what I2 does beside I1: (I1 - 3)(I2 - 3) and (I2 - 3)^2."""
     return [*_smooth(sheet, reach), *_second_invariant(sheet)[1:]]
 
 
@@ -236,7 +241,7 @@ def along(form: str, values: Iterable[float], weft: bool) -> tuple[str, list[flo
     if one == form:
         return form, list(values)
     named, plain = dict(zip(FORMS[form].names, values, strict=True)), FORMS[one]
-    return one, [named[_of_weft(name) if weft and name in plain.linear else name] for name in plain.names]
+    return one, [named[of_weft(name) if weft and name in plain.linear else name] for name in plain.names]
 
 
 def richer(material: Material, form: str, constants: Mapping[str, float], *, weft: bool = False) -> Material:

@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
-from hyperfab.materials.effects.elastic_law import EACH_WAY
+from hyperfab.materials.effects.elastic_law import EACH_WAY, of_weft
 from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 
@@ -267,12 +267,11 @@ def elastic_law(context: DataContext) -> Effect:
         slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)]
         free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), *more, log)
         start = (far, *(0.01 * size for _ in free))
-        smooths += tried_if(tried, freely(forms, name, (fixed("reach", far), *free), start))
+        alike = freely(forms, name, (fixed("reach", far), *free), start)
+        smooths += tried_if(tried, alike)
         if not more:
-            of_weft = (replace(one, name=f"{one.name.removesuffix('_MPa')}_weft_MPa") for one in free)
-            each = freely(
-                [*forms, smooths[-1]], f"{name}{EACH_WAY}", (*smooths[-1].constants, *of_weft), (*start, *start[1:])
-            )
+            weft = (replace(one, name=of_weft(one.name)) for one in free)
+            each = freely([*forms, alike], f"{name}{EACH_WAY}", (*alike.constants, *weft), (*start, *start[1:]))
             smooths += tried_if(tried and context.directions, each)
     return Effect(
         id="elastic-law",
