@@ -112,7 +112,8 @@ class FabricProblem(Problem):
         is not quite the fabric's leaves as much. Where all were pulled along both axes, what each arm has of its own is
         what warp and weft may differ by.
         """
-        context = DataContext(self.law, (), self.fabric.path, self.measured, self.both)
+        turns = self.both or "anisotropy" in self.held
+        context = DataContext(self.law, (), self.fabric.path, self.measured, self.both, anisotropic=turns)
         alike = []
         gives = forms["grip-slack"].name if "grip-slack" in forms else ""
         given = {*forms, *self.held}
@@ -168,9 +169,9 @@ class FabricProblem(Problem):
             of_law = dict(zip(self.law.names, map(float, warp), strict=True))
             every = form.constants(self.law, of_law, elastic["anisotropy"][1])
             ground = {name: value for name, value in every.items() if name in GROUND}
-            asked = {name: max(0.0, -value / self._secant) for name, value in ground.items()}
+            asked = {name: -value / self._secant for name, value in ground.items()}
             soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
-            return asked | {"Young's modulus at rest of the ground": max(_LEAST - soft, 0.0)} | off
+            return asked | {"Young's modulus at rest of the ground": _LEAST - soft} | off
         found: dict[str, float] = dict(off)
         # The law of a document stands by itself too: what is added to it stands elsewhere in there.
         laws = {"": elastic}
@@ -179,12 +180,12 @@ class FabricProblem(Problem):
         for of, named in laws.items():
             modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
             for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
-                found[f"Young's modulus at rest{of}{_along(angle)}"] = max(_LEAST - float(value), 0.0)
+                found[f"Young's modulus at rest{of}{_along(angle)}"] = _LEAST - float(value)
         if "elastic-law" in elastic and self._rising is not None:
-            pairs = self._rising.stress(warp, weft, elastic).reshape(-1, 2)
-            for mode, rise in zip(_RISING, np.diff(pairs).reshape(len(_RISING), -1), strict=True):
-                falls = max(float(np.max(-rise)) / _STEP / self._secant, 0.0)
-                found[f"slope of {MODE_NAMES[mode]} stress"] = falls
+            places, pairs = self._rising
+            low, high = pairs.stress(warp, weft, elastic).reshape(-1, 2).T
+            for place, rise in zip(places, (high - low) / _STEP / self._secant, strict=True):
+                found[f"slope of {place}"] = -float(rise)
         return found
 
     def _zero_off(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
@@ -193,39 +194,46 @@ class FabricProblem(Problem):
             return {}
         off = np.abs(load_offset.added(self.fabric.path, *terms["load-offset"]))
         peak = float(np.max(np.abs(self.measured[self.channel == 0]), initial=0.0)) or 1.0
-        return {"zero of the load cell": max(float(np.max(off)) / peak - MOST_OFF, 0.0)}
+        return {"zero of the load cell": float(np.max(off)) / peak - MOST_OFF}
 
     def _taken(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
         """Return by how much softening takes more of the load than leaves a specimen tight."""
         if "mullins" not in terms:
             return {}
         share = mullins.taken_at_rest(self.fabric.path.outward, *terms["mullins"])
-        return {"load that softening takes": max(share - MOST_TAKEN, 0.0)}
+        return {"load that softening takes": share - MOST_TAKEN}
 
     @cached_property
-    def _rising(self) -> Fabric | None:
-        """Pairs of places close together in each kind of test, up to the largest I1 of these; None where several kinds
-        hold the law, and of a foam, whose plateau is flat."""
+    def _rising(self) -> tuple[list[str], Fabric] | None:
+        """Places of each kind of test along each direction, up to the largest I1 of its tests, and pairs close together
+        there; None where several kinds hold the law, and of a foam, whose plateau is flat."""
         path = self.fabric.path
         if len(np.unique(path.mode)) > 1 or isinstance(self.law, HyperfoamLaw):
             return None
-        far = float(np.max(_I1(path.mode, path.stretch, path.across)))
-        stretch = np.linspace(1.0, float(np.sqrt(3.0 + far)), 2001)
-        steps = np.array([[0.5, 0.0], [0.5, _STEP], [1.0, 0.0], [1.0, _STEP]])
-        places = []
+        reach, way = _I1(path.mode, path.stretch, path.across), np.nan_to_num(path.angle_deg)
+        far = [float(np.max(reach[way == angle])) for angle in np.nan_to_num(self._directions)]
+        stretch = np.linspace(1.0, float(np.sqrt(3.0 + max(far))), 2001)
+        names, places = [], []
         for mode in _RISING:
-            end = float(np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch))
-            places.append(1.0 + steps[:, 0] * (end - 1.0) + steps[:, 1])
-        pull = uniaxial_pull(np.concatenate(places))
-        of = replace(pull, mode=np.repeat(_RISING, len(steps)))
-        return Fabric(self.law, of, self.fabric.reference_degC)
+            ends = np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch)
+            for angle, end in zip(self._directions, ends, strict=True):
+                for share, where in ((0.5, "half way"), (1.0, "at the end of the tests")):
+                    names.append(f"{MODE_NAMES[mode]} stress{_along(angle)} {where}")
+                    places.append((mode, angle, 1.0 + share * (end - 1.0)))
+        modes, angles, ways = (np.repeat(one, 2) for one in zip(*places, strict=True))
+        pull = uniaxial_pull(ways + np.tile([0.0, _STEP], len(names)))
+        return names, Fabric(self.law, replace(pull, mode=modes, angle_deg=angles), self.fabric.reference_degC)
+
+    @cached_property
+    def _directions(self) -> Array:
+        """The directions tested [deg], nan where none is stated."""
+        known = np.unique(self.fabric.path.angle_deg[np.isfinite(self.fabric.path.angle_deg)])
+        return known if len(known) else np.array([np.nan])
 
     @cached_property
     def _at_rest(self) -> Fabric:
-        known = np.unique(self.fabric.path.angle_deg[np.isfinite(self.fabric.path.angle_deg)])
-        angles = known if len(known) else np.array([np.nan])
-        pull = uniaxial_pull(np.full(len(angles), 1.0 + _STEP))
-        return Fabric(self.law, replace(pull, angle_deg=angles), self.fabric.reference_degC)
+        pull = uniaxial_pull(np.full(len(self._directions), 1.0 + _STEP))
+        return Fabric(self.law, replace(pull, angle_deg=self._directions), self.fabric.reference_degC)
 
     @cached_property
     def _secant(self) -> float:
@@ -290,7 +298,9 @@ def fabric_problem(
     whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
     setups = setups_of(path, tests, sized=False, ridden=ridden)
     replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
-    context = DataContext(law, tuple(warp), path, stress, weft is not None, len(rows) > 0, replicated)
+    both = weft is not None
+    turns = both or "anisotropy" in held
+    context = DataContext(law, tuple(warp), path, stress, both, len(rows) > 0, replicated, turns)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
     if all(test.stress_sd is not None for test in tests):
@@ -318,7 +328,7 @@ def fabric_problem(
         read=np.diff(near, prepend=-1) > 0,
         tests=tuple(tests),
         law=law,
-        both=weft is not None,
+        both=both,
         held={name: (form, tuple(c.value for c in constants)) for name, (form, constants) in held.items()},
         transverse_rows=rows,
         remake=remake,

@@ -10,6 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array, Flags
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Form, Problem, split
+from hyperfab.loop.steps import Box, Ground, Walls, step_along, step_inside
 from hyperfab.numerics.gram import inverse, orthonormal
 
 #: A step is accepted as the last one where it lowers chi-squared by less than this share, or this much; coarser where
@@ -151,7 +152,7 @@ class Descent:
             self.value, self.left, self.misfit = self._answer(self.x)
         self.ended = not np.isfinite(self.misfit)
         self.prior = self.weight if self.ended else self._holds()
-        self.outside = np.zeros(0) if self.ended else self._beyond(self.x)
+        self.beyond = np.zeros(0) if self.ended else self._beyond(self.x)
         self.jacobian = np.empty((0, len(self.x)))
         #: Whether the Jacobian may serve the next step, and whether it was asked for where the descent is.
         self.serves = self.exact = False
@@ -199,42 +200,38 @@ class Descent:
         x, jacobian = self.x, self.jacobian
         self.prior = self._holds()
         wall = _WALL**2 * max(self.misfit / len(self.left), 1.0)
-        cost = self.cost + wall * float(self.outside @ self.outside)
+        outside = np.maximum(self.beyond, 0.0)
+        cost = self.cost + wall * float(outside @ outside)
         gradient = jacobian.T @ self.left - self.prior * (x - self.centre)
         normal = jacobian.T @ jacobian + np.diag(self.prior)
-        size = np.diag(normal) + 1e-12 / self.scale**2
-
-        def with_wall(slope: Array, beyond: Array) -> tuple[Array, Array, Array]:
-            steep = wall * slope.T
-            return gradient - steep @ beyond, normal + steep @ slope, size + wall * _bounding(slope)
-
-        walls = self.outside > 0.0
-        if np.any(walls):
-            gradient, normal, size = with_wall(self._slopes_beyond(x, self.outside), self.outside)
-        held = ((x <= self.low) & (gradient < 0.0)) | ((x >= self.high) & (gradient > 0.0))
+        box, size = Box(x, self.low, self.high), np.diag(normal) + 1e-12 / self.scale**2
+        if not (np.all(np.isfinite(gradient)) and np.all(np.isfinite(normal))):
+            self.ended, self.serves = True, False
+            return
+        known, beyond, slopes = outside > 0.0, self.beyond.copy(), np.zeros((len(outside), len(x)))
+        if np.any(known):
+            slopes = self._slopes_beyond(x, beyond)
         tries = _TRIES if self.exact else 1
         while tries > 0:
-            if not (np.all(np.isfinite(gradient)) and np.all(np.isfinite(normal))):
-                self.ended, self.serves = True, False  # a wall so steep that no number holds it
-                return
-            step = self._step(normal, size, gradient, ~held)
+            ground = Ground(gradient, normal, size, self.damping)
+            step, free, walls = step_inside(ground, box, Walls(beyond, slopes).of(known))
             if self.exact and self.damping > _DAMPING:
-                step = step + self._bend(step, normal, size, held)
+                step = step + self._bend(step, ground, free, walls)
             trial = np.clip(x + step, self.low, self.high)
             value, left, misfit = self._answer(trial)
-            outside = self._beyond(trial)
+            reached = self._beyond(trial)
+            outside = np.maximum(reached, 0.0)
             gained = cost - misfit - float(self.prior @ (trial - self.centre) ** 2)
             gained -= wall * float(outside @ outside)
             if gained > 0.0:
                 break
             # Where no number tells how far off a step is, it has gone too far.
-            met = (outside > 0.0) & ~walls & np.all(np.isfinite(outside))
+            met = (outside > 0.0) & ~known & np.all(np.isfinite(outside))
             if self.exact and np.any(met):
-                # A step into a wall: the next one goes along it.
-                there = np.where(met, outside, 0.0)
-                slope = self._slopes_beyond(trial, there)
-                gradient, normal, size = with_wall(slope, there - slope @ (trial - x))
-                walls = walls | met
+                # A step into a wall: the next one knows of it.
+                slopes[met] = self._slopes_beyond(trial, reached)[met]
+                beyond[met] = reached[met] - slopes[met] @ (trial - x)
+                known = known | met
                 continue
             tries -= 1
             if self.exact:
@@ -252,8 +249,8 @@ class Descent:
         cut = bool(np.any(trial != x + step)) and not np.array_equal(trial, x)
         went, told = trial - x, self.left - left
         foretold = 2.0 * float(gradient @ went) - float(went @ normal @ went)
-        self.x, self.value, self.left, self.misfit, self.outside = trial, value, left, misfit, outside
-        self.damping = max(self.damping / 10.0, 1e-9)
+        self.x, self.value, self.left, self.misfit, self.beyond = trial, value, left, misfit, reached
+        self.damping = max(self.damping / 10.0, 1e-12)
         self.ended = small and self.exact and not cut
         self.serves = abs(gained - foretold) < _FORESEEN * foretold and not small and not cut
         if self.ended or self.serves:
@@ -261,7 +258,7 @@ class Descent:
             self.jacobian = jacobian + np.outer(told - jacobian @ went, along / float(along @ went))
         self.exact = self.ended
 
-    def _bend(self, step: Array, normal: Array, size: Array, held: Flags) -> Array:
+    def _bend(self, step: Array, ground: Ground, free: Flags, walls: Walls) -> Array:
         """Return what a damped step is bent by to follow a curved valley: half the geodesic acceleration.
 
         Transtrum & Sethna (2012), arXiv:1201.5885: from the second derivative along the step, one prediction more.
@@ -271,8 +268,9 @@ class Descent:
         if not np.isfinite(misfit):
             return np.zeros_like(step)
         second = 2.0 / _NEAR * ((self.left - left) / _NEAR - self.jacobian @ ((near - self.x) / _NEAR))
-        bend = 0.5 * self._step(normal, size, -self.jacobian.T @ second, ~held)
-        far = float(size @ bend**2) > _BENT**2 * float(size @ step**2)
+        there = ground._replace(gradient=-self.jacobian.T @ second)
+        bend = 0.5 * step_along(there, Box(self.x, self.low, self.high), walls.met, free)
+        far = float(ground.size @ bend**2) > _BENT**2 * float(ground.size @ step**2)
         return np.zeros_like(step) if far else bend
 
     def _answer(self, x: Array) -> tuple[Array, Array, float]:
@@ -299,44 +297,20 @@ class Descent:
         self.jacobian = self.metric.whiten(np.where(np.isfinite(slopes), slopes, 0.0).T)
         self.serves = self.exact = True
 
-    def _step(self, normal: Array, size: Array, gradient: Array, free: Flags) -> Array:
-        """Return the damped step of ``free`` constants; those at a bound that it would carry out of it stay there."""
-        step = np.zeros_like(self.x)
-        for _ in range(len(step)):
-            # In units of what the data tell of each constant: their own units lie many powers of ten apart.
-            unit = 1.0 / np.sqrt(np.maximum(np.diag(normal), size)[free])
-            matrix = normal[np.ix_(free, free)] * np.outer(unit, unit) + np.diag(self.damping * size[free] * unit**2)
-            step[:] = 0.0
-            step[free] = unit * np.linalg.lstsq(matrix, unit * gradient[free], rcond=1e-14)[0]
-            out = ((self.x <= self.low) & (step < 0.0)) | ((self.x >= self.high) & (step > 0.0))
-            if not np.any(out):
-                break
-            free = free & ~out
-        return step
-
     def _beyond(self, x: Array) -> Array:
-        """Return by how much the constants are forbidden ones, (k,)."""
+        """Return by how much the constants are forbidden ones, (walls,), below 0 where they are not."""
         return np.array(list(self.problem.forbidden(x[: self.own], split(x[self.own :], self.forms)).values()))
 
-    def _slopes_beyond(self, x: Array, outside: Array) -> Array:
-        """Return how what is forbidden at ``x``, ``outside`` (k,), changes with each constant, (k, constants)."""
+    def _slopes_beyond(self, x: Array, beyond: Array) -> Array:
+        """Return how what is forbidden at ``x``, ``beyond``, changes with each constant, (walls, constants)."""
         step = 1e-5 * np.maximum(np.abs(x), self.scale)
-        slope = np.stack([self._beyond(x + one) - outside for one in np.diag(step)], axis=1) / step
-        return np.where((outside > 0.0)[:, None] & np.isfinite(slope), slope, 0.0)
+        slope = np.stack([self._beyond(x + one) - beyond for one in np.diag(step)], axis=1) / step
+        return np.where(np.isfinite(slope), slope, 0.0)
 
     def _holds(self) -> Array:
         """Return the weight of each prior."""
         # While the model is wrong its misfit counts as noise: else a wrong model would break what is known before.
         return self.weight * max(float(self.left @ self.left) / len(self.left), 1.0)
-
-
-def _bounding(slope: Array) -> Array:
-    """Return what walls (k, constants) that bound one constant alone add to its damping.
-
-    A step along a wall of several constants is damped by what the data tell of them, however steep the wall is.
-    """
-    alone = np.count_nonzero(slope, axis=1) == 1
-    return np.asarray(np.sum(slope[alone] ** 2, axis=0))
 
 
 def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> tuple[Array, Array]:

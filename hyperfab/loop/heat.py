@@ -90,7 +90,7 @@ class HeatProblem(Problem):
             return {}
         rise = float(np.ptp(self.measured))
         slope = amounts.get("capacity_per_K", 0.0) + 2.0 * amounts["capacity_per_K2"] * rise
-        return {"how far specific heat falls": max(-slope * rise, 0.0)}
+        return {"how far specific heat falls": -slope * rise}
 
     def _of_room(self, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
         if "ambient-drift" not in terms:
@@ -104,8 +104,8 @@ class HeatProblem(Problem):
         # A sine is steeper where it is steepest than what it stands for: from one end of a swing to the other counts.
         far, fast = float(far) + swing, float(fast) + 4.0 * swing / period
         return {
-            "how far the air drifts": max(far / FARTHEST_K - 1.0, 0.0),
-            "how fast the air drifts": max(fast / FASTEST_K_S - 1.0, 0.0),
+            "how far the air drifts": far / FARTHEST_K - 1.0,
+            "how fast the air drifts": fast / FASTEST_K_S - 1.0,
         }
 
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:

@@ -283,7 +283,9 @@ class Problem(ABC):
         return None
 
     def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
-        """Return by how much constants, together, are those of no material: what is asked for -> how far off, 0 if met.
+        """Return by how much constants, together, are those of no material: what is asked for -> how far off.
+
+        What is met is below 0, by how much there is to spare, so that a fit knows of it before it is beyond.
 
         Bounds of single constants hold by themselves; ``fit`` keeps these as well.
         """

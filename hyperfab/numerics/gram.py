@@ -10,13 +10,18 @@ from hyperfab.arrays import Array
 def inverse(matrix: Array, rcond: float) -> Array:
     """Return the pseudo-inverse of a positive semi-definite matrix; ``rcond`` is of its rows scaled to a diagonal of 1.
 
+    What no number is large enough for is known beyond doubt: there the inverse is 0.
+
     >>> inverse(np.diag([4.0, 1e-20, 0.0]), 1e-9).diagonal()
     array([2.5e-01, 1.0e+20, 0.0e+00])
+    >>> inverse(np.array([[4.0, np.inf], [np.inf, np.inf]]), 1e-9).diagonal()
+    array([0.25, 0.  ])
     """
     size = np.diag(matrix)
     unit = np.where(size > 0.0, 1.0 / np.sqrt(np.maximum(size, 1e-300)), 0.0)
     both = np.outer(unit, unit)
-    return np.asarray(np.linalg.pinv(matrix * both, rcond=rcond, hermitian=True) * both)
+    scaled = np.multiply(matrix, both, out=np.zeros_like(both), where=both > 0.0)
+    return np.asarray(np.linalg.pinv(scaled, rcond=rcond, hermitian=True) * both)
 
 
 def orthonormal(matrix: Array) -> Array:

@@ -330,7 +330,7 @@ def test_a_load_cell_that_drifts_is_off_by_half_of_the_peak_at_most(
     asked = problem.forbidden(np.array([0.05, 0.0]), {"load-offset": (form, np.array(values))})
     assert (asked["zero of the load cell"] > 0.0) is (off > 0.0)
     if form == "drift":
-        assert asked["zero of the load cell"] == pytest.approx(off, abs=1e-6)
+        assert max(asked["zero of the load cell"], 0.0) == pytest.approx(off, abs=1e-6)
 
 
 def test_poissons_ratio_of_a_refitted_law_is_one_that_nature_has() -> None:

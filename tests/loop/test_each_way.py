@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hyperfab.chapters.close_loop.extended import extend
+from hyperfab.chapters.close_loop.extended import extend, in_terms
 from hyperfab.chapters.close_loop.fabric import pose
 from hyperfab.chapters.close_loop.measured_tests import Measured
 from hyperfab.chapters.fabric import FabricDocument
@@ -84,6 +84,41 @@ def test_rates_that_go_with_the_direction_tell_nothing_of_the_rate(document: Mat
     # A test that states no direction is one along the warp.
     untold = [replace(one, direction=None) for one in twice.tests[:2]]
     assert not pose(document, "knit.json", Measured(untold, "MPa")).effect("rate").not_sought
+
+
+def test_threads_answer_each_way_too() -> None:
+    threads = {"C10_MPa": 0.004, "k1_warp_MPa": 0.02, "k1_weft_MPa": 0.001, "k2_warp": 1.0, "k2_weft": 1.0}
+    sheet = MaterialDocument(model="orthotropic", parameters=threads)
+    alone = pulls((0.0, 0.013, PULL - 1.0), (90.0, 0.005, PULL - 1.0))
+    problem = pose(in_terms(sheet, "cloth.json", alone.tests), "cloth.json", alone)
+    assert "one rate" in problem.effect("rate").not_sought
+
+
+@pytest.mark.parametrize(("near", "far"), [("warp", "weft"), ("weft", "warp")])
+def test_a_direction_is_asked_for_what_it_is_tested_to_alone(near: str, far: str) -> None:
+    """A limiting law of one has no answer at the strain that the other goes to, nor is it to rise as far."""
+    limits = {near: {"mu_MPa": 0.05, "Im": 0.6}, far: {"mu_MPa": 0.01, "Im": 9.0}}
+    ways = {near: np.linspace(1.0, 1.3, 20), far: np.linspace(1.0, 2.5, 20)}
+    told = {
+        "format": "hyperfab.material/1",
+        "model": "gent",
+        "parameters": limits[near],
+        "thickness_mm": 0.8,
+        "directions": {name: {"parameters": constants} for name, constants in limits.items()},
+    }
+    knit = parse_document(told, "knit.json", MaterialDocument)
+    tests = [
+        TestCurve("uniaxial", way, 0.1 * (way - 1.0), direction={"warp": 0.0, "weft": 90.0}[name], specimen=name)
+        for name, way in ways.items()
+    ]
+    problem = pose(knit, "knit.json", Measured(tests, "MPa"))
+    own = np.array([constant.value for constant in problem.own])
+    material = FabricDocument(knit, "knit.json")
+    forward = [material.material(name).uniaxial(stretch).P for name, way in ways.items() for stretch in way]
+    np.testing.assert_allclose(problem.predict(own, {}), forward, rtol=1e-12, atol=1e-15)
+    form = problem.effect("elastic-law").form("powers")
+    asked = problem.forbidden(own, {"elastic-law": ("powers", np.array(form.starts[0]))})
+    assert np.all(np.isfinite(list(asked.values())))
 
 
 def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize
 
 from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Descent, fit, fitted_misfit
@@ -66,6 +66,38 @@ def test_a_fit_ends_at_a_wall_that_no_number_holds() -> None:
     problem = Sheer(steep.measured, steep.curves, steep.own, ())
     found = fit(problem, Noise(np.full(80, 0.01), np.inf, "known"), {}, [0.0, 0.0])
     assert found.x[1] <= 1.0
+
+
+class Rising(Powers):
+    """A polynomial that never falls, at a few places."""
+
+    places = np.linspace(0.0, 1.0, 15)
+
+    def forbidden(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Mapping[str, float]:
+        """Return by how much it falls there."""
+        slope = sum(k * c * self.places ** (k - 1) for k, c in enumerate(own) if k)
+        return {f"at {x:g}": float(-one) for x, one in zip(self.places, np.broadcast_to(slope, 15), strict=True)}
+
+
+@pytest.mark.parametrize("waves", [1.0, 1.5, 2.5])
+def test_a_fit_goes_on_along_walls_to_the_least_misfit(waves: float) -> None:
+    """Many walls, of which the best fit is at a few: which ones is not known beforehand."""
+    x = np.linspace(0.0, 1.0, 80)
+    line = posed(x + 0.4 * np.sin(2.0 * np.pi * waves * x), np.inf, 8)
+    problem = Rising(line.measured, line.curves, line.own, ())
+    found = fit(problem, Noise(np.full(80, 0.01), np.inf, "known"), {}, np.zeros(8))
+    powers = np.arange(1, 8)
+    slopes = powers * Rising.places[:, None] ** (powers - 1)
+    columns = np.stack([x**k for k in range(8)], axis=1)
+
+    def misfit(own: Array) -> tuple[float, Array]:
+        left = columns @ own - problem.measured
+        return 0.5 * float(left @ left), columns.T @ left
+
+    rises = {"type": "ineq", "fun": lambda own: slopes @ own[1:], "jac": lambda own: np.pad(slopes, ((0, 0), (1, 0)))}
+    best = minimize(misfit, found.x, jac=True, method="SLSQP", constraints=[rises], options={"ftol": 1e-14})
+    assert found.chi2 <= 1.001 * 2.0 * best.fun / 0.01**2
+    assert max(problem.forbidden(found.x, {}).values()) < 1e-6
 
 
 class Exponentials(Problem):

@@ -114,7 +114,7 @@ def test_air_may_swing_as_fast_as_it_may_drift() -> None:
     def off(*values: float) -> float:
         return max(problem.forbidden(problem.own, {"ambient-drift": ("swing", np.array(values))}).values())
 
-    assert off(-1.1, 2.2, 1055.0) == 0.0  # 3 K up and down, evenly, in 1100 s
+    assert off(-1.1, 2.2, 1055.0) <= 0.0  # 3 K up and down, evenly, in 1100 s
     assert off(-2.0, 4.0, 1055.0) > 0.0
     assert off(30.0, 0.0, 20000.0) > 0.0
 

@@ -11,7 +11,7 @@ import pytest
 
 from hyperfab.curve import TestCurve
 from hyperfab.loop import engine
-from hyperfab.loop.engine import close
+from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
@@ -123,9 +123,17 @@ def test_what_misses_by_far_more_than_readings_wander_is_no_noise(monkeypatch: p
     def vaguely(problem: FabricProblem, noise: Noise, left: np.ndarray, channel: int) -> Noise:
         return replace(noise, sd=3.0 * noise.sd, dof=1.0, correlation=np.full(len(noise.sd), 0.9))
 
+    closed = engine._closed
+
+    def nothing(problem: FabricProblem, noise: Noise, **how: Any) -> Finding:
+        found = closed(problem, noise, **how)
+        return replace(found, verdict="noise", after=found.before) if noise.dof == 1.0 else found
+
     monkeypatch.setattr(engine, "wandering", vaguely)
+    monkeypatch.setattr(engine, "_closed", nothing)
     problem = tissue()
     done = close(problem, design=False)
     off = (problem.measured - done.before.fit.predicted) / (3.0 * engine.estimate_noise(problem, None).sd)
     assert min(np.sqrt(np.mean(off[curve.rows] ** 2)) for curve in problem.curves) > 10.0
-    assert (done.verdict, done.after.ids) == ("unexplained", ("anisotropy",))
+    assert done.verdict == "unexplained"
+    assert "anisotropy" in done.after.ids

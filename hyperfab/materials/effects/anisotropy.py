@@ -40,9 +40,16 @@ def fibres(path: Path, stretch: Array, warp: float, weft: float, growth: float) 
 def between(path: Path, warp: Answer, weft: Answer) -> Answer:
     """Return what lies between the answers of warp and weft, by the direction of each row."""
     share = path.weft_share
-    # The share 1 must give the weft itself, not a sum that rounds.
-    stress = np.where(share == 1.0, weft[0], warp[0] + share * (weft[0] - warp[0]))
-    return stress, warp[1] + share * (weft[1] - warp[1])
+    stress, energy = (_mixed(share, *pair) for pair in zip(warp, weft, strict=True))
+    return stress, energy
+
+
+def _mixed(share: Array, warp: Array, weft: Array) -> Array:
+    """Return what lies between: along an axis it is the axis's own to the bit, whatever the other one answers.
+
+    A limiting law of the other axis may have no answer so far.
+    """
+    return np.asarray(np.select([share == 0.0, share == 1.0], [warp, weft], warp + share * (weft - warp)))
 
 
 class Directions:

@@ -29,8 +29,9 @@ def is_slanted(angles: Array) -> Flags:
 class DataContext:
     """A law, its constants as they stand, and the measured curves.
 
-    ``transverse``: contraction was measured; ``replicated``: most specimens were led as some other was, of another
-    size perhaps.
+    ``directions``: warp and weft have constants of their own; ``transverse``: contraction was measured; ``replicated``:
+    most specimens were led as some other was, of another size perhaps; ``anisotropic``: constants of its own, or
+    threads, make each direction answer in its own way.
     """
 
     law: Law
@@ -40,6 +41,7 @@ class DataContext:
     directions: bool = False
     transverse: bool = False
     replicated: bool = False
+    anisotropic: bool = False
 
     @property
     def peak_stress(self) -> float:
@@ -77,9 +79,9 @@ class DataContext:
     @property
     def several_rates(self) -> bool:
         """Whether specimens were pulled at rates further apart than one pace is kept, or held; of one direction where
-        each has a law of its own."""
+        each answers in a way of its own."""
         # A test that states no direction is one along the warp.
-        way = _folded(np.nan_to_num(self.path.angle_deg)).round(6) * self.directions
+        way = _folded(np.nan_to_num(self.path.angle_deg)).round(6) * self.anisotropic
         return any(map(self._tell_time, self._together(lambda rows: float(way[rows.start]))))
 
     @property

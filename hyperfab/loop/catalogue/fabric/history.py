@@ -207,13 +207,13 @@ def permanent_set(context: DataContext) -> Effect:
         freely(forms, name, (fixed("reach", reach), *over, *sets), (reach, *start))
         for name in ("smooth", "smooth-flow")
     ]
-    # One that begins late, or comes at once, bends more than thirds of the reach tell.
+    # One that begins late, or comes at once, bends more than thirds of the reach tell: then what flows shows too.
     smooth += [
         replace(
             freely(forms, f"{one.name}-close", (fixed("reach", reach), *over, *fine), (reach, *start[:2], *closer)),
-            refines=one.name,
+            refines=(one.name, f"{other.name}-close"),
         )
-        for one in smooth
+        for one, other in (smooth, smooth[::-1])
     ]
     smooth.append(freely(forms, "smooth-returned", (fixed("reach", reach), *fine), (reach, *closer)))
     # A sheet pulled both ways bears more at the same strain.
