@@ -29,6 +29,7 @@ class TestCurve:
     - ``stress_sd`` [MPa], ``time_s``, ``temperature_degC``, ``rate_1_s``, ``cycle``, ``branch`` (1 on loading, -1 on
       unloading), ``lines`` of the file (n,).
     - ``thickness_mm``, ``width_mm``, ``gauge_length_mm``: the specimen's sizes.
+    - ``on_specimen``: whether the stretch was read on the specimen, by marks or an extensometer, not between grips.
     - ``aspect``: length over width of a strip whose stretch is the extension of that whole length: its ends are held.
     - ``direction``: degrees from the warp. ``temperature``: at which all rows count [degC], ``warmth`` the lowest and
       the highest of them. ``others``: numbers told of the test that no law has a use for, by name.
@@ -61,6 +62,7 @@ class TestCurve:
     width_mm: float | None = None
     gauge_length_mm: float | None = None
     aspect: float | None = None
+    on_specimen: bool = False
     membrane: bool = False
     temperature: float | None = None
     warmth: tuple[float, float] | None = None

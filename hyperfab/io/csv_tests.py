@@ -16,6 +16,7 @@ from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.headings import is_gauged, is_on_specimen
 from hyperfab.io.impossible import refuse_impossible
 from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
@@ -27,6 +28,7 @@ from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_
 from hyperfab.io.side_by_side import may_be_specimens, specimens
 from hyperfab.io.sizes_of_rows import parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
+from hyperfab.io.stated import stated
 
 #: Rows that tell how far two readings are apart, and how many times that the first may be.
 _SHORT, _STALE = 10, 5.0
@@ -120,6 +122,8 @@ def _read_sheet(
     known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
+    gauge = stated(sheet, "gauge")
+    marked = gauge is not None and is_on_specimen(gauge.value)
     aside = [*columns.aside, *_set_aside(columns, loadings.values())]
     if aside:
         notes.append(f"columns not used: {', '.join(aside[:12])}")
@@ -142,6 +146,7 @@ def _read_sheet(
                 "width_mm": sizes.width,
                 "gauge_length_mm": sizes.gauge_length,
                 "aspect": sizes.aspect if loading.extended else None,
+                "on_specimen": is_gauged(loading.used[0].heading) or marked,
             },
             left_out=sheet.left_out,
             notes=(*loading.notes, *turned, *notes),

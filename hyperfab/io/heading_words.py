@@ -202,6 +202,9 @@ FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canal
 GAUGES = """extensometer; videoextensometer; video extensometer; video; optical; laser; clip on; clip gauge; clip gage;
     non contact; contactless; extensometro; extensometre; estensometro; laserextensometer; optisch; optische;
     feindehnung"""
+#: What is on a specimen, where a file states by what its strain was read; beside these what reads it.
+MARKS = """marks; marker; markers; pins; dots; speckle; speckles; correlation; dic; camera; cameras; yes; marken;
+    messmarken; bildkorrelation; marcas; marques; marcatori"""
 #: Words that tell a second reading of the same quantity: beside a column without them, which one is meant is asked.
 MENDED = """corrected; tared; zeroed; compensated; net; korrigiert; korrigierte; tariert; tarierte; genullt;
         kompensiert; kompensierte; corregida; corregido; tarada; tarado; compensada; compensado; corrigee; corrige;
@@ -253,6 +256,10 @@ SETTINGS: dict[str, str] = {
     "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
         extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
         longitud de referencia extensometro; longueur de reference extensometre""",
+    "gauge": """extensometer; extensometer type; strain source; strain read by; strain measured by; strain measurement;
+        strain measurement method; tensile strain source; axial strain source; dehnungsaufnehmer; dehnungsmessung;
+        langenanderungsaufnehmer; extensometro; extensometre; estensometro; medida de la deformacion;
+        mesure de la deformation; misura della deformazione""",
     "grip distance": """grip distance; test length; jaw span; distance between jaws; distance between clamps;
         distance between grips; initial distance between grips; initial distance between jaws; initial jaw separation;
         length between grips; length between jaws; clamp separation; free clamping length; nip distance; pruflange;

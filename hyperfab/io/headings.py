@@ -144,6 +144,16 @@ def is_gauged(head: Heading) -> bool:
     return _GAUGE.search(plain(head.label)) is not None
 
 
+def is_on_specimen(told: str) -> bool:
+    """Whether a file that states by what strain was read tells of the specimen itself, not of the grips.
+
+    >>> is_on_specimen("Video extensometer 1"), is_on_specimen("marker pins"), is_on_specimen("Crosshead")
+    (True, True, False)
+    """
+    label = plain(told)
+    return _GAUGE.search(label) is not None or not words(heading_words.MARKS).isdisjoint(label.split())
+
+
 def is_of(unit: str, kind: str) -> bool:
     """Whether ``unit`` is one of the ``kind`` of quantity."""
     try:

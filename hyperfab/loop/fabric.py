@@ -300,7 +300,8 @@ def fabric_problem(
     replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
     both = weft is not None
     turns = both or "anisotropy" in held
-    context = DataContext(law, tuple(warp), path, stress, both, len(rows) > 0, replicated, turns)
+    marked = all(test.on_specimen for test in tests)
+    context = DataContext(law, tuple(warp), path, stress, both, len(rows) > 0, replicated, turns, marked)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
     if all(test.stress_sd is not None for test in tests):

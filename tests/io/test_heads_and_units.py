@@ -24,6 +24,21 @@ def pulled(load: str, preamble: str = STRIP, columns: str | None = None) -> Test
     return found
 
 
+@pytest.mark.parametrize(
+    ("stated", "head", "on_specimen"),
+    [
+        ("", "Strain (%)", False),
+        ("Strain source,Crosshead\n", "Strain (%)", False),
+        ("Strain source,Video extensometer 1\n", "Strain (%)", True),
+        ("# extensometer: marker pins\n", "Strain (%)", True),
+        ("", "Video strain (%)", True),
+    ],
+)
+def test_a_file_may_say_that_its_strain_is_of_the_specimen(stated: str, head: str, on_specimen: bool) -> None:
+    [found] = read_tests(f"# test: tensile\n{stated}{head},Stress (MPa)\n0,0\n10,0.2\n".encode(), "a.csv")
+    assert found.on_specimen is on_specimen
+
+
 def strained(head: str) -> float:
     [found] = read_tests(f'# test: tensile\n"{head}",Stress (MPa)\n0.5,0.1\n2.5,0.2\n'.encode(), "a.csv")
     return float(found.stretch.max())

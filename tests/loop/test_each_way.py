@@ -121,6 +121,14 @@ def test_a_direction_is_asked_for_what_it_is_tested_to_alone(near: str, far: str
     assert np.all(np.isfinite(list(asked.values())))
 
 
+def test_no_grip_takes_part_of_what_was_read_on_the_specimens(document: MaterialDocument) -> None:
+    told = pulls((0.0, 0.01, PULL - 1.0), (90.0, 0.01, PULL - 1.0))
+    marked = [replace(one, on_specimen=True) for one in told.tests]
+    assert not pose(document, "knit.json", told).effect("grip-slack").not_sought
+    assert pose(document, "knit.json", Measured(marked, "MPa")).effect("grip-slack").not_sought
+    assert not pose(document, "knit.json", Measured([*marked, told.tests[0]], "MPa")).effect("grip-slack").not_sought
+
+
 def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:
     """Grips that give may bend each direction as its own law would: they are never named alone."""
     found = close(posed(document, 0.013, 0.005), design=False)

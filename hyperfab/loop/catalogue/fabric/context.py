@@ -31,7 +31,7 @@ class DataContext:
 
     ``directions``: warp and weft have constants of their own; ``transverse``: contraction was measured; ``replicated``:
     most specimens were led as some other was, of another size perhaps; ``anisotropic``: constants of its own, or
-    threads, make each direction answer in its own way.
+    threads, make each direction answer in its own way; ``on_specimen``: all stretches were read on specimens.
     """
 
     law: Law
@@ -42,6 +42,7 @@ class DataContext:
     transverse: bool = False
     replicated: bool = False
     anisotropic: bool = False
+    on_specimen: bool = False
 
     @property
     def peak_stress(self) -> float:

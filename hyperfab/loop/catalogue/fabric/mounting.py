@@ -59,6 +59,7 @@ def grip_slack(context: DataContext) -> Effect:
     return Effect(
         id="grip-slack",
         title="the grips take up part of the extension",
+        not_sought="the stretch was read on the specimens themselves" if context.on_specimen else "",
         shown_by="the stretch from marks on the specimen beside that of the grips, close readings at the start",
         source="ASTM D638, annex A1 (toe compensation)",
         forms=(*forms, smooth, *tried_if(told, by_force), *tried_if(context.unloads, by_slip)),
