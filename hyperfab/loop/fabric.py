@@ -41,6 +41,8 @@ from hyperfab.materials.law import Law, Sheet, stresses
 _ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
 #: The kinds of tests whose stress rises with what tests of one of them add to a law.
 _RISING = (UNIAXIAL, SHEAR, BIAXIAL)
+#: Shares of the strain tested at which it is asked, closer at the start, where loops straighten.
+_PLACES = tuple((k / 10.0) ** 2 for k in range(1, 11))
 
 
 @dataclass(kw_only=True)
@@ -217,8 +219,8 @@ class FabricProblem(Problem):
         for mode in _RISING:
             ends = np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch)
             for angle, end in zip(self._directions, ends, strict=True):
-                for share, where in ((0.5, "half way"), (1.0, "at the end of the tests")):
-                    names.append(f"{MODE_NAMES[mode]} stress{_along(angle)} {where}")
+                for share in _PLACES:
+                    names.append(f"{MODE_NAMES[mode]} stress{_along(angle)} at {share:.0%} of the strain tested")
                     places.append((mode, angle, 1.0 + share * (end - 1.0)))
         modes, angles, ways = (np.repeat(one, 2) for one in zip(*places, strict=True))
         pull = uniaxial_pull(ways + np.tile([0.0, _STEP], len(names)))
