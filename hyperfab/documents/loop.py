@@ -204,7 +204,8 @@ class LoopDocument(Document):
     indistinguishable: list[list[str]] = Field(
         default_factory=list,
         description="sets of effects that these data cannot tell apart, the named one first; among them constants "
-        "of the model, where one that is further off than is known of it may be all there is",
+        "of the model, where one that is further off than is known of it may be all there is, and the clock of a "
+        "mold's log",
     )
     next_measurement: NextMeasurement | None = None
     upstream: Upstream | None = optional("with --upstream: the documents behind the model")

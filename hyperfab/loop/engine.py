@@ -47,7 +47,8 @@ class Finding:
     residual points at each entry that these data could show, ``worth`` what each would lower BIC by, to first order.
     ``doubted`` were not added because specimens may scatter as much, ``worse`` because with them some readings are
     missed by more. ``assumed`` is the scatter of specimens that was taken for what is left, though none was measured;
-    ``hidden`` may be behind it, each with how much they scatter beside it and without.
+    ``hidden`` may be behind it, each with how much they scatter beside it and without. ``put_right``: nothing was
+    sought, for the readings put right need nothing.
     """
 
     verdict: str
@@ -67,6 +68,7 @@ class Finding:
     assumed: float = 0.0
     belief: Belief | None = None
     hidden: dict[str, tuple[float, float]] = field(default_factory=dict)
+    put_right: bool = False
 
 
 def close(
@@ -76,14 +78,16 @@ def close(
     tick: Callable[[str], None] = lambda text: None,
     design: bool = True,
     apart: Apart = none_apart,
+    put_right: Callable[[Search, Candidate], bool] = lambda search, before: False,
 ) -> Finding:
     """Close the loop on a problem; ``noise`` is the standard deviation of a reading or all that is known of the noise,
     else it is estimated: from what neighbours and replicates differ by, and, where something then stays unexplained, as
     readings that wander. ``apart`` returns how far a model misses readings that take no part: no effect is kept that
-    makes that more."""
+    makes that more. ``put_right`` tells whether the readings are wrong and, put right, leave the model as it is no more
+    than noise, so that nothing is to be sought."""
     level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
-    found = _closed(problem, level, tick=tick, design=design, again=True, apart=apart)
-    if found.verdict != "unexplained" or not found.noise.least:
+    found = _closed(problem, level, tick=tick, design=design, again=True, apart=apart, put_right=put_right)
+    if found.verdict != "unexplained" or not found.noise.least or found.put_right:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
     if not np.any(wanders.sd > found.noise.sd):
@@ -106,6 +110,7 @@ def _closed(
     design: bool,
     again: bool,
     apart: Apart,
+    put_right: Callable[[Search, Candidate], bool] = lambda search, before: False,
 ) -> Finding:
     """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
     search = Search(problem, level, tick)
@@ -149,18 +154,10 @@ def _closed(
     if before.judgement.is_noise or _no_more_than_noise(before):
         less = with_hidden(search, before, 1)[1] if again else np.inf
         return beside(less) if less < level.gain_sd else finding("noise", before, {}, {})
-    # A smooth law of one name or two comes before a third.
-    best, depths = before, (2, _DEPTH, _DEPTH + 1) if problem.describes else (_DEPTH,)
-    for depth in depths:
-        if depth > _DEPTH and problem.plain not in best.ids:
-            break  # a better law leaves room for as many effects
-        best, tried = _grow(search, before, depth)
-        best = pruned(search, best)
-        best = of_same_names(search, before, best, apart) or best
-        best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
-        best = pruned(search, best)  # beside a richer form another name may have nothing left to say
-        if best.ids and explains(before, best):
-            break
+    tick("readings")
+    if put_right(search, before):
+        return replace(finding("unexplained", before, {}, {}), put_right=True)
+    best, tried = _found(search, before, apart)
     best = nearest_apart(search, best, apart)
     helpful = no_worse(search, before, best, apart)
     worse = tuple(name for name in best.ids if name not in helpful.ids)
@@ -211,6 +208,24 @@ def _closed(
         finding(verdict, best, added, tried),
         doubted=doubted, worse=worse, indistinguishable=sets, measurements=measurements,
     )  # fmt: skip
+
+
+def _found(search: Search, before: Candidate, apart: Apart) -> tuple[Candidate, dict[str, Evidence]]:
+    """Return the model with the terms that pay, the fewest that do, and what each first one would be worth."""
+    tried: dict[str, Evidence] = {}
+    # A smooth law of one name or two comes before a third.
+    best, depths = before, (2, _DEPTH, _DEPTH + 1) if search.problem.describes else (_DEPTH,)
+    for depth in depths:
+        if depth > _DEPTH and search.problem.plain not in best.ids:
+            break  # a better law leaves room for as many effects
+        best, tried = _grow(search, before, depth)
+        best = pruned(search, best)
+        best = of_same_names(search, before, best, apart) or best
+        best = fewest(search, before, best, tried, lambda state: is_no_worse(before, state, apart))
+        best = pruned(search, best)  # beside a richer form another name may have nothing left to say
+        if best.ids and explains(before, best):
+            break
+    return best, tried
 
 
 def _no_more_than_noise(base: Candidate) -> bool:

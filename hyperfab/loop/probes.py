@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -10,22 +10,24 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.loop.belief import allowed
+from hyperfab.loop.catalogue.heat import CLOCK
+from hyperfab.loop.clock import STEPS, Clock, instead_of_lag, wrong_clock
 from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.fitting import Fit, fit
+from hyperfab.loop.fitting import Descent, Fit, fit
 from hyperfab.loop.heat import HeatProblem
-from hyperfab.loop.judge import common_bic, structured
-from hyperfab.loop.problem import Constant, Curve, Form, split
-from hyperfab.loop.thresholds import SHARE, SMALL
+from hyperfab.loop.judge import Candidate, common_bic, structured
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.problem import Curve
+from hyperfab.loop.search import Search
+from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL
+from hyperfab.numerics.gram import orthonormal
 
-#: Steps of a fit to a log put right: it either leaves noise soon or is not right.
-_STEPS = 12
+#: Pairs of probes that are tried exchanged.
+_PAIRS = 5
 #: A log begins with the run where it does within this share of it; it begins elsewhere where it is off by so many
 #: standard deviations of what is known of the start.
 _SOON, _FAR = 0.01, 9.0
-#: How far a log's clock may be off, as a share of the run (where it begins) and of itself (how fast it goes), and one
-#: standard deviation of that.
-_OFF, _OFF_SD = 0.3, 0.1
 #: Ways a probe alone may be off, where that is more and where it is less than it ought to be.
 _WAYS = (
     ("reads {:.3g} K too much throughout", "reads {:.3g} K too little throughout"),
@@ -37,81 +39,99 @@ _WAYS = (
 )
 
 
-def looked_through(problem: HeatProblem, found: Finding) -> tuple[Finding, list[str]]:
-    """Return the finding, and what is told of the log itself where the model without effects does not explain it.
+class Log:
+    """A mold's log, looked through before the catalogue is, and after it."""
 
-    Where two probes exchanged leave noise, with nothing added and the constants where they may be, nothing is named: an
-    effect would only stand in for them. Nor where nothing explains the log but a clock put right.
-    """
-    if found.verdict == "noise":
+    def __init__(self, problem: HeatProblem) -> None:
+        self.problem = problem
+        self._right: dict[bytes, tuple[_Crossed | None, Clock | None]] = {}
+
+    def explains(self, search: Search, before: Candidate) -> bool:
+        """Whether the log put right leaves noise with nothing added, and no single entry does as well.
+
+        What a second name could do beside it need not be sought then.
+        """
+        crossed, clock = self._put_right(before, search.noise)
+        right = crossed.fit if crossed is not None else clock.fit if clock is not None else None
+        if right is None:
+            return False
+        for effect, _ in search.ranking(before):
+            named = search.with_term(before, effect, families=0)
+            if named is not None:
+                bic = common_bic([right, named], self.problem, search.noise)
+                if bic[tuple(named.forms)] < bic[()] + MARGIN:
+                    return False
+        return True
+
+    def looked_through(self, found: Finding) -> tuple[Finding, list[str]]:
+        """Return the finding, and what is told of the log itself where the model without effects does not explain it.
+
+        Where two probes exchanged leave noise, with nothing added and the constants where they may be, nothing is
+        named: an effect would only stand in for them. Nor where nothing explains the log but a clock put right.
+        Sensors that follow late are not sure where a log that was begun before the run explains as much.
+        """
+        if found.verdict == "noise":
+            return found, []
+        problem = self.problem
+        was = _rms(problem.measured - found.before.fit.predicted)
+        bare = replace(
+            found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[]
+        )
+        crossed, clock = self._put_right(found.before, found.noise)
+        if crossed is not None and self._is_better(crossed.fit, found):
+            return bare, [
+                f"{crossed.one} and {crossed.other} look exchanged: with the columns of the two the other way round "
+                f"the model misses by {_rms(crossed.left):.3g} K with nothing added, {was:.3g} K as they are; "
+                "check which probe is where, and exchange them"
+            ]
+        if clock is not None and (found.put_right or found.verdict == "unexplained"):
+            return bare, [
+                f"the log's clock looks wrong: {clock.told}: with its times put right the model misses by "
+                f"{_rms(problem.measured - clock.fit.predicted):.3g} K with nothing added, {was:.3g} K as they are; "
+                "check its clock, and when it was started"
+            ]
+        if found.verdict == "unexplained":
+            return found, [*_begun(problem), *_alone(problem, found)]
+        if "sensor-lag" not in found.after.ids:
+            return found, []
+        return _or_late(problem, found)
+
+    def _put_right(self, before: Candidate, noise: Noise) -> tuple[_Crossed | None, Clock | None]:
+        """Return the probes exchanged, and the clock put right, that leave noise."""
+        key = noise.sd.tobytes()
+        if key not in self._right:
+            problem = self.problem
+            small = structured(before.fit, problem, noise) <= SMALL
+            crossed = _crossed(problem, noise, before.fit)
+            clock = None if small or crossed is not None else wrong_clock(problem, noise)
+            self._right[key] = crossed, clock
+        return self._right[key]
+
+    def _is_better(self, right: Fit, found: Finding) -> bool:
+        """Whether a log put right is likelier than what was found, or nothing was."""
+        if found.verdict == "unexplained" or not found.after.ids:
+            return True
+        bic = common_bic([right, found.after.fit], self.problem, found.noise)
+        return bic[found.after.ids] >= bic[()]
+
+
+def _or_late(problem: HeatProblem, found: Finding) -> tuple[Finding, list[str]]:
+    """Return the finding, with a clock told beside the lag of sensors that it may stand for."""
+    late = instead_of_lag(problem, found.noise, found.after.fit)
+    if late is None:
         return found, []
-    was = _rms(problem.measured - found.before.fit.predicted)
-    bare = replace(found, verdict="unexplained", after=found.before, added={}, indistinguishable=[], measurements=[])
-    crossed = _crossed(problem, found)
-    if crossed is not None:
-        one, other, better = crossed
-        return bare, [
-            f"{one} and {other} look exchanged: with the columns of the two the other way round the model misses by "
-            f"{_rms(better):.3g} K with nothing added, {was:.3g} K as they are; "
-            "check which probe is where, and exchange them"
-        ]
-    if found.verdict != "unexplained":
-        return found, []
-    clock = _clock(problem, found)
-    if clock is not None:
-        return bare, [
-            f"{clock[0]}: with its times put right the model misses by {_rms(clock[1]):.3g} K with nothing added, "
-            f"{was:.3g} K as they are; check its clock, and when it was started"
-        ]
-    return found, [*_begun(problem), *_alone(problem, found)]
+    sets = [[*one, *([CLOCK] if "sensor-lag" in one else [])] for one in found.indistinguishable]
+    if not any(CLOCK in one for one in sets):
+        sets.append(["sensor-lag", CLOCK])
+    return replace(found, verdict="ambiguous", indistinguishable=sets), [
+        f"{late.told} would do as well as sensor-lag: with its times put right the model misses by "
+        f"{_rms(problem.measured - late.fit.predicted):.3g} K, with the lag by "
+        f"{_rms(problem.measured - found.after.fit.predicted):.3g} K; check when it was started"
+    ]
 
 
 def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
-
-
-@dataclass(kw_only=True)
-class _Timed(HeatProblem):
-    """A mold with a log that keeps a time of its own: the last of its constants are by how much."""
-
-    def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
-        off = {constant.name: float(value) for constant, value in zip(self.own, own, strict=True)}
-        runs = []
-        for run in self.runs:
-            times = run.times / (1.0 + off.get("log.fast", 0.0)) + off.get("log.late_s", 0.0)
-            # Before the run begins the mold is at rest.
-            runs.append(replace(run, times=np.maximum(times, min(0.0, float(run.times[0])))))
-        return replace(self, runs=runs)._run(own[None, :], [terms])[0]
-
-    def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
-        return np.array([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
-
-
-def _clock(problem: HeatProblem, found: Finding) -> tuple[str, Array] | None:
-    """Return how the log's clock is off that, put right, leaves noise, and what is left [K] then.
-
-    Under one steady power a clock that is too fast is a mold that is lighter: the constants take it.
-    """
-    if structured(found.before.fit, problem, found.noise) <= SMALL:
-        return None
-    whole = float(np.ptp(problem.runs[0].times))
-    late = Constant("log.late_s", 0.0, -_OFF * whole, _OFF * whole, 0.01 * whole, _OFF_SD * whole)
-    fast = Constant("log.fast", 0.0, -_OFF, _OFF, 0.01, _OFF_SD)
-    for moved in ((late,), (fast,), (late, fast)):
-        timed = _Timed.of(problem, moved)
-        again = fit(timed, found.noise, {}, timed.given, data=problem.measured, iterations=_STEPS)
-        if is_strained(timed, again) or structured(again, timed, found.noise) > SMALL:
-            continue
-        off = dict(zip((one.name for one in moved), again.x[len(problem.own) :].tolist(), strict=True))
-        told = []
-        if "log.late_s" in off:
-            seconds = off["log.late_s"]
-            told.append(f"began {abs(seconds):.3g} s {'after' if seconds > 0.0 else 'before'} the run")
-        if "log.fast" in off:
-            share = off["log.fast"]
-            told.append(f"runs {100.0 * abs(share):.3g} % too {'fast' if share > 0.0 else 'slowly'}")
-        return f"the log's clock looks wrong: it {' and '.join(told)}", problem.measured - again.predicted
-    return None
 
 
 def _begun(problem: HeatProblem) -> Iterator[str]:
@@ -127,23 +147,55 @@ def _begun(problem: HeatProblem) -> Iterator[str]:
         )
 
 
-def _crossed(problem: HeatProblem, found: Finding) -> tuple[str, str, Array] | None:
-    """Return the two probes that, exchanged, leave noise, and what is left [K] then."""
-    start, best = found.before.fit, None
-    for one, other in combinations(problem.curves, 2):
-        if not np.array_equal(one.abscissa, other.abscissa):
-            continue
-        data = problem.measured.copy()
-        data[one.rows], data[other.rows] = problem.measured[other.rows], problem.measured[one.rows]
-        again = fit(problem, found.noise, {}, problem.given, data=data, iterations=_STEPS)
-        if again.cost < (start if best is None else best[0]).cost:
-            best = (again, one.name, other.name, data - again.predicted)
-    if best is None or is_strained(problem, best[0]) or structured(best[0], problem, found.noise) > SMALL:
+@dataclass(frozen=True)
+class _Crossed:
+    """Two probes that, exchanged, leave noise: their names, the model fitted then, and what is left [K]."""
+
+    one: str
+    other: str
+    fit: Fit
+    left: Array
+
+
+def _crossed(problem: HeatProblem, noise: Noise, start: Fit) -> _Crossed | None:
+    """Return the two probes that, exchanged, leave noise."""
+    best: _Crossed | None = None
+    for one, other in _likeliest_pairs(problem, noise):
+        data = _exchanged(problem, one, other)
+        again = fit(problem, noise, {}, problem.given, data=data, iterations=STEPS)
+        if again.cost < (start if best is None else best.fit).cost:
+            best = _Crossed(one.name, other.name, again, data - again.predicted)
+    if best is None or is_strained(problem, best.fit) or structured(best.fit, problem, noise) > SMALL:
         return None
-    bic = common_bic([best[0], found.after.fit], problem, found.noise) if found.after.ids else {}
-    if bic and found.verdict != "unexplained" and bic[found.after.ids] < bic[()]:
-        return None
-    return best[1:]
+    return best
+
+
+def _likeliest_pairs(problem: HeatProblem, noise: Noise) -> list[tuple[Curve, Curve]]:
+    """Return the few pairs of probes that, exchanged, leave least to a model that is linear in its constants.
+
+    The model is the same for all pairs, and its constants are near what the document says where one is right.
+    """
+    pairs = [
+        (one, other) for one, other in combinations(problem.curves, 2) if np.array_equal(one.abscissa, other.abscissa)
+    ]
+    if len(pairs) <= _PAIRS:
+        return pairs
+    near = Descent(problem, noise, {}, problem.given)
+    near.ask()
+    held = np.diag(np.sqrt(near.weight))
+    slopes = np.vstack([near.jacobian, held])
+    left = np.zeros((len(slopes), len(pairs)))
+    rows = len(near.left)
+    left[:rows] = np.stack([near.metric.whiten(_exchanged(problem, *pair) - near.value) for pair in pairs], axis=1)
+    basis = orthonormal(slopes)
+    misfit = np.sum((left - basis @ (basis.T @ left)) ** 2, axis=0)
+    return [pairs[i] for i in np.argsort(misfit)[:_PAIRS]]
+
+
+def _exchanged(problem: HeatProblem, one: Curve, other: Curve) -> Array:
+    data = problem.measured.copy()
+    data[one.rows], data[other.rows] = problem.measured[other.rows], problem.measured[one.rows]
+    return data
 
 
 def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
@@ -157,7 +209,7 @@ def _alone(problem: HeatProblem, found: Finding) -> Iterator[str]:
     for curve in problem.curves:
         silent = found.noise.plain.sd.copy()
         silent[curve.rows] = np.inf
-        again = fit(problem, replace(found.noise.plain, sd=silent), {}, problem.given, iterations=_STEPS)
+        again = fit(problem, replace(found.noise.plain, sd=silent), {}, problem.given, iterations=STEPS)
         free = len(again.residual) - (curve.stop - curve.start) - len(again.x)
         beyond = again.chi2 / max(free, 1) - 1.0
         if beyond <= most**2 and not is_strained(problem, again):

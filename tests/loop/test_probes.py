@@ -15,10 +15,12 @@ from hyperfab.console import Console
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
-from hyperfab.loop.engine import Finding
+from hyperfab.loop.catalogue.heat import CLOCK
+from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem
+from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
-from hyperfab.loop.probes import looked_through
+from hyperfab.loop.probes import Log
 from hyperfab.loop.search import Search
 from hyperfab.thermal.tables import Table
 
@@ -57,8 +59,8 @@ def bar() -> HeatProblem:
     return heat.pose(job, document, "bar.toml", MoldBuilder(document, "bar.toml", job.inputs), read, [], 0.1)
 
 
-def told(change: str) -> list[str]:
-    """Return what is told of a log of the bar with its constants a little off and something done to it."""
+def logged(change: str) -> tuple[HeatProblem, Noise]:
+    """Return the bar with its constants a little off and something done to its log, and the log's noise."""
     posed, rng = bar(), np.random.default_rng(4)
     if change == "fast":  # and the heater goes off half way: else the heat capacity passes for the clock
         run, off = posed.runs[0], Table(np.array([0.0, 1500.0, 1501.0, 4000.0]), np.array([25.0, 25.0, 0.0, 0.0]))
@@ -74,16 +76,22 @@ def told(change: str) -> list[str]:
         rows[[1, 3]] = rows[[3, 1]]
     if change in ("offset", "offset, noise told too small"):
         rows[2] -= 4.0
-    if change == "begun before":
-        rows = np.array([np.interp(np.arange(61) - 2.0, np.arange(61), row) for row in rows])
+    if change.startswith("begun before"):
+        late = 0.4 if "a little" in change else 2.0
+        rows = np.array([np.interp(np.arange(61) - late, np.arange(61), row) for row in rows])
     if change == "fast":
         rows = np.array([np.interp(np.arange(61) / 1.08, np.arange(61), row) for row in rows])
     if change == "early":
         rows[0] = np.interp(np.arange(61) + 1.0, np.arange(61), rows[0])
     problem = replace(posed, measured=rows.ravel())
-    noise = estimate_noise(problem, (0.89 if "too small" in change else 1.0) * NOISE)
+    return problem, estimate_noise(problem, (0.89 if "too small" in change else 1.0) * NOISE)
+
+
+def told(change: str) -> list[str]:
+    """Return what is told of a log where nothing explains it."""
+    problem, noise = logged(change)
     before = Search(problem, noise).base()
-    return looked_through(problem, Finding("unexplained", noise, before, before, {}, {}, {}, {}))[1]
+    return Log(problem).looked_through(Finding("unexplained", noise, before, before, {}, {}, {}, {}))[1]
 
 
 @pytest.mark.parametrize(
@@ -104,3 +112,44 @@ def test_what_is_wrong_with_a_log_is_told(change: str, words: tuple[str, ...]) -
     assert len(found) == bool(words), found
     for word in words:
         assert word in found[0]
+
+
+def test_a_log_that_is_wrong_is_told_before_two_names_at_once_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """These and their rivals took most of the time."""
+    problem, noise = logged("fast")
+    tried: set[tuple[str, ...]] = set()
+    joint = Search.joint
+    monkeypatch.setattr(
+        Search, "joint", lambda self, parent, *rest: tried.add(tuple(parent.forms)) or joint(self, parent, *rest)
+    )
+    log = Log(problem)
+    found, odd = log.looked_through(close(problem, noise=noise, design=False, put_right=log.explains))
+    assert found.put_right
+    assert found.verdict == "unexplained"
+    assert found.after.ids == ()
+    assert len(odd) == 1
+    assert tried == {()}
+
+
+def test_a_log_is_not_put_right_in_place_of_what_a_name_explains() -> None:
+    problem, noise = logged("lag")
+    search = Search(problem, noise)
+    assert not Log(problem).explains(search, search.base())
+
+
+def test_a_late_log_and_sensors_that_lag_are_both_told_where_no_reading_tells_them_apart() -> None:
+    """Twenty seconds late, read every fifty: the lag was named as sure."""
+    problem, noise = logged("begun before, a little")
+    search = Search(problem, noise)
+    before = search.base()
+    lag = search.with_term(before, problem.effect("sensor-lag"), families=0)
+    assert lag is not None
+    log = Log(problem)
+    assert not log.explains(search, before)
+    found, odd = log.looked_through(Finding("effect", noise, before, search.state(lag), {}, {}, {}, {}))
+    assert found.verdict == "ambiguous"
+    assert found.after.ids == ("sensor-lag",)
+    assert found.indistinguishable == [["sensor-lag", CLOCK]]
+    assert len(odd) == 1
+    assert "a log that began 2" in odd[0]
+    assert "s before the run would do as well as sensor-lag" in odd[0]

@@ -29,7 +29,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, bounds_of, heat_problem
-from hyperfab.loop.probes import looked_through
+from hyperfab.loop.probes import Log
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Box
@@ -81,7 +81,9 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
         problem = pose(job, document, given.case.model, builder, read, given.case.fix, given.surely)
-        found, odd = looked_through(problem, close(problem, noise=level, tick=ticking(advance, 0.2)))
+        log = Log(problem)
+        found = close(problem, noise=level, tick=ticking(advance, 0.2), put_right=log.explains)
+        found, odd = log.looked_through(found)
     job.console.warn(*odd)
     result = describe(problem, found, read.left_out, odd, domain="heat")
     fit = found.after.fit

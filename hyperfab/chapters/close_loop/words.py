@@ -12,6 +12,7 @@ from hyperfab.chapters.close_loop.origins import another_frame, another_zero, la
 from hyperfab.chapters.close_loop.sure import caution
 from hyperfab.documents.loop import AddedEffect, Errors, LoopDocument, NoiseFigures
 from hyperfab.loop.belief import allowed
+from hyperfab.loop.catalogue.heat import CLOCK, CLOCK_SHOWN_BY
 from hyperfab.loop.dependence import period
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.problem import HAS_IT, Problem
@@ -71,7 +72,7 @@ def summary(problem: Problem, found: Finding, document: LoopDocument) -> list[st
     for look in (another_frame, off_the_sheet, another_zero, untared, late_force):
         lines += look(problem, found)
     if document.indistinguishable:
-        by = {row.id: row.shown_by for row in document.candidates}
+        by = {row.id: row.shown_by for row in document.candidates} | {CLOCK: CLOCK_SHOWN_BY}
         told = "; ".join(f"{name}: {by.get(name, _OWN)}" for name in document.indistinguishable[0])
         lines.append(f"What shows each of them: {told}.")
     if document.next_measurement is not None:

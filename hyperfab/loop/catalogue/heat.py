@@ -12,6 +12,9 @@ FARTHEST_K, FASTEST_K_S = 20.0, 0.01
 #: Periods of a swing that are looked for, and times in which a joint closes, by a law of decay or evenly, as shares of
 #: the run.
 _SWINGS, _CLOSING, _EVENLY = (0.9, 0.6, 0.4, 0.27), (0.2, 0.04), (0.5, 0.2)
+#: What a log that was begun before or after the run is called beside the lag of sensors, and what shows it.
+CLOCK = "clock of the log"
+CLOCK_SHOWN_BY = "note by the log's own clock when the heaters switch, or log their power beside the probes"
 
 
 @dataclass(frozen=True)
