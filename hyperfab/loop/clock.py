@@ -34,6 +34,15 @@ class Timed(HeatProblem):
     def predict_many(self, own: Array, forms: Mapping[str, Form], values: Array) -> Array:
         return np.array([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
 
+    def predict_near(self, x: Array, forms: Mapping[str, Form], moved: Array) -> Array:
+        own = len(self.own)
+        clocks = [name in (_LATE, _FAST) for name in (one.name for one in self.own)]
+        same = np.all(moved[:, :own][:, clocks] == x[:own][clocks], axis=1)
+        found = np.empty((len(moved), len(self.measured)))
+        found[same] = HeatProblem.predict_near(self._kept(x[:own]), x, forms, moved[same])
+        found[~same] = self.predict_many(moved[~same, :own], forms, moved[~same, own:])
+        return found
+
     def _kept(self, own: Array) -> Timed:
         """Return the problem with its readings at the times of the run."""
         off = {constant.name: float(value) for constant, value in zip(self.own, own, strict=True)}

@@ -21,8 +21,9 @@ _SHARE, _AMOUNT, _COARSE = 1e-5, 2e-3, 0.3
 _DAMPING, _TRIES, _FORESEEN = 1e-4, 8, 0.25
 #: Where the second derivative along a step is read, as a share of it; a bend beside it is at most so long.
 _NEAR, _BENT = 0.1, 0.75
-#: Steps from each of several starts, and of a fit in another metric.
-_FEW, _REFIT = 5, 10
+#: Steps from each of two starts or more, those after which half of as many starts as this are left, and steps of a fit
+#: in another metric.
+_FEW, _FEWER, _SEVERAL, _REFIT = 5, 3, 4, 10
 #: How steep the wall is before constants that no material has, in units of what the model misses by.
 _WALL = 1e4
 
@@ -105,10 +106,15 @@ def descent(
     begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
     key = (names, begins, hash(noise.sd.tobytes()), noise.about, iterations, coarse)
     if key not in problem.descents:
-        # A few steps from each start tell which of them leads on.
+        # A few steps from each start tell which of them leads on; where the constants are well known, so that a fit
+        # starts from what is known of them as well, the worse half is left before.
         tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
+        several = len(tries) >= _SEVERAL and problem.well_known
         if len(tries) > 1:
-            tries = [one.advance(_FEW) for one in tries]
+            tries = [one.advance(_FEWER if several else _FEW) for one in tries]
+        if several:
+            half = sorted(tries, key=lambda one: one.cost)[: (len(tries) + 1) // 2]
+            tries = [one.advance(_FEW - _FEWER) for one in half]
         problem.descents[key] = min(tries, key=lambda one: one.cost).advance(iterations)
     found: Descent = problem.descents[key]
     return found
@@ -292,7 +298,7 @@ class Descent:
         moved = (self.x + np.diag(step))[free]
         slopes = np.zeros((len(step), len(self.value)))
         if len(moved):
-            found = self.problem.predict_many(moved[:, : self.own], self.forms, moved[:, self.own :])
+            found = self.problem.predict_near(self.x, self.forms, moved)
             slopes[free] = (found - self.value) / step[free, None]
         self.jacobian = self.metric.whiten(np.where(np.isfinite(slopes), slopes, 0.0).T)
         self.serves = self.exact = True

@@ -112,6 +112,11 @@ class HeatProblem(Problem):
         """Return many predictions in one pass through time."""
         return self._run(own, [split(rest, forms) for rest in values])
 
+    def predict_near(self, x: Array, forms: Mapping[str, Form], moved: Array) -> Array:
+        """Return the predictions for sets of all constants next to ``x``, by the matrices of the run at ``x``."""
+        own, every = len(self.own), np.vstack([x, moved])
+        return self._run(every[:, :own], [split(rest, forms) for rest in every[:, own:]], beside=True)[1:]
+
     def given_off(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> list[Table]:
         """Return the power [W] that each heater brings into the mold over the first run, what is lost taken off."""
         mold = self.runs[0].mold
@@ -166,12 +171,14 @@ class HeatProblem(Problem):
         clock, _ = run.clock
         return clock, replace(run.mold, probes=probes).run(clock, settings)[0], settings
 
-    def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]]) -> Array:
+    def _run(self, own: Array, terms: Sequence[Mapping[str, tuple[str, Array]]], *, beside: bool = False) -> Array:
         settings, lags = self._settings(own, terms)
+        # What differs in how late sensors follow alone is one run of the mold.
+        settings, same = settings.distinct()
         rows = []
         for one in self.runs:
             clock, read = one.clock
-            shown = one.mold.run(clock, settings)
+            shown = one.mold.run(clock, settings, beside=beside)[same]
             for lag in lags:
                 # Probes of a run to come that the present one does not have follow like the first.
                 more = np.repeat(lag[:, :1], len(one.mold.probes) - lag.shape[1], axis=1)

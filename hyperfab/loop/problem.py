@@ -314,6 +314,12 @@ class Problem(ABC):
         """Return the predictions (b, rows) for b sets of own constants (b, p) and of the terms' constants (b, q)."""
         return np.stack([self.predict(one, split(rest, forms)) for one, rest in zip(own, values, strict=True)])
 
+    def predict_near(self, x: Array, forms: Mapping[str, Form], moved: Array) -> Array:
+        """Return the predictions (b, rows) for b sets of all constants (b, p + q) next to ``x``, to first order in how
+        far they are."""
+        own = len(self.own)
+        return self.predict_many(moved[:, :own], forms, moved[:, own:])
+
     def extras(self) -> Sequence[Extra]:
         """Return the tests that could be done next."""
         return ()

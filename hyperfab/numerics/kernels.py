@@ -42,6 +42,8 @@ _NEEDS = ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse
 _KERNEL: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "nogil": True}
 _PART: dict[str, Any] = {**_KERNEL, "no_cpython_wrapper": True}
 _INLINED: dict[str, Any] = {**_PART, "forceinline": True}
+# Sums whose terms may be added in any order, several at once: nothing else is taken for exact that is not.
+_SUMMED: dict[str, Any] = {**_PART, "fastmath": {"reassoc": True, "nsz": True, "contract": True}}
 
 #: All that Python calls, by module and name.
 KERNELS: dict[str, Any] = {}
@@ -72,6 +74,12 @@ def part(function: Any) -> Any:
 def inlined(function: Any) -> Any:
     """Decorate a few lines called from the innermost loops of kernels, to become part of these."""
     return _kept(function, _INLINED)
+
+
+def summed(function: Any) -> Any:
+    """Decorate a function called from kernels whose sums may be added up in any order: processors take four terms at
+    once, by the same code on each of them."""
+    return _kept(function, _SUMMED)
 
 
 def _kept(function: Any, options: dict[str, Any]) -> Any:

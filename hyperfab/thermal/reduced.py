@@ -15,11 +15,12 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
+from hyperfab.thermal.course import Course
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.grading import graded
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.reduced_steps import Course, Faces, Numbers, Parts, march
+from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, Trail, march
 from hyperfab.thermal.run_basis import SOLVE, beside_uniform
 from hyperfab.thermal.settings import Film, Patch, Settings, patch, points_for
 from hyperfab.thermal.step import GAMMA
@@ -88,16 +89,23 @@ class ReducedMold:
             ambient_K=each(np.zeros(len(self.faces))),
         )
 
-    def run(self, times: Array, settings: Settings, steps: int = 100) -> Array:
+    def run(self, times: Array, settings: Settings, steps: int = 100, *, beside: bool = False) -> Array:
         """Return the probes' temperatures (b, times, p) [degC] at ``times`` [s], the first the start.
 
         On about ``steps`` steps that meet every corner of the powers, and short ones where a power begins or jumps.
+        ``beside``: as in ``courses``.
         """
         grid = self.grid(float(times[0]), float(times[-1]), steps)
-        return np.array([course.at(times) @ self.probes.T for course in self.courses(grid, settings)])
+        return np.array([course.of(self.probes).at(times) for course in self.courses(grid, settings, beside=beside)])
 
-    def courses(self, grid: Array, settings: Settings) -> Iterator[Course]:
-        """Yield each run by Alexander's SDIRK2 on the steps of ``grid`` [s]."""
+    def courses(self, grid: Array, settings: Settings, *, beside: bool = False) -> Iterator[Course]:
+        """Yield each run by Alexander's SDIRK2 on the steps of ``grid`` [s].
+
+        ``beside``: all but the first are so near it that its factored matrices serve, to first order in what they are
+        off by: what the run changes by with a constant is a difference of two such runs.
+        """
+        size = len(self.start)
+        trail = Trail.room((len(grid) - 1) if beside and len(settings.film) > 1 else 0, size)
         stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
         faces = self.faces
         holds = np.array([*(False for _ in (*self.films, *self.radiators)), *(True for _ in self.held), False])
@@ -169,7 +177,9 @@ class ReducedMold:
                 sources,
                 powers * settings.power[i],
                 numbers._replace(reference=self.reference_degC),
+                trail,
             )
+            trail = trail._replace(known=beside)
             yield Course(grid, states, rates)
 
     @property
@@ -200,8 +210,16 @@ class ReducedMold:
 
     def grid(self, begin: float, end: float, steps: int = 100) -> Array:
         """Return the times [s] that a run steps at."""
-        signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in self.faces[:-1]]
-        return graded(begin, end, self.corners, signals, steps)
+        key = begin, end, steps
+        if key not in self._grids:
+            signals = [table for _, table in (*self.heaters, *self.joints)] + [face.ambient for face in self.faces[:-1]]
+            self._grids[key] = graded(begin, end, self.corners, signals, steps)
+        return self._grids[key]
+
+    @cached_property
+    def _grids(self) -> dict[tuple[float, float, int], Array]:
+        """The times of runs that were asked for: a fit asks for the same a thousand times."""
+        return {}
 
 
 def reduce(

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.numerics.kernels import inlined, kernel, part
+from hyperfab.numerics.kernels import inlined, kernel, part, summed
 
 
 class Numbers(NamedTuple):
@@ -70,39 +69,23 @@ class Faces(NamedTuple):
     first: Ints
 
 
-@dataclass(frozen=True)
-class Course:
-    """A run by its coordinates (n, r) at the times ``grid`` (n,) [s] that it stepped to, and how fast they change then.
+class Trail(NamedTuple):
+    """What a run leaves for others so near it that its matrices serve them, to first order in how far they are off.
 
-    Between two times it is the parabola through both values with the slope at the end.
+    ``factors`` (k, r, r) of the matrices that were factored, which of them (steps, 2) each stage took, and what each
+    stage solved for, ``answers`` (steps, 2, r). Not ``known``: the run leaves its own, unless there is no room.
     """
 
-    grid: Array
-    states: Array
-    slopes: Array
+    known: bool
+    factors: Array
+    which: Ints
+    answers: Array
 
-    def at(self, times: Array) -> Array:
-        """Return the coordinates (k, r) at ``times`` (k,) [s]."""
-        step = np.clip(np.searchsorted(self.grid, times, side="left") - 1, 0, len(self.grid) - 2)
-        length = (self.grid[step + 1] - self.grid[step])[:, None]
-        back = ((times - self.grid[step + 1]) / length[:, 0])[:, None]
-        end, slope = self.states[step + 1], self.slopes[step + 1] * length
-        bend = self.states[step] - end + slope
-        return np.asarray(end + slope * back + bend * back**2)
-
-    def when(self, row: Array, value: float) -> float | None:
-        """Return when what ``row`` (r,) reads first comes to a value [s]; None where it never does."""
-        above = np.flatnonzero(self.states @ row >= value)
-        if len(above) == 0 or above[0] == 0:
-            return float(self.grid[0]) if len(above) else None
-        length = self.grid[above[0]] - self.grid[above[0] - 1]
-        before, beyond = self.states[above[0] - 1 : above[0] + 1] @ row - value
-        if beyond == 0.0:  # at a peak the slope below is none
-            return float(self.grid[above[0]])
-        slope = length * float(self.slopes[above[0]] @ row)
-        bend = before - beyond + slope
-        back = 2.0 * beyond / (slope + np.sqrt(slope**2 - 4.0 * bend * beyond))
-        return float(self.grid[above[0]] - length * back)
+    @staticmethod
+    def room(steps: int, size: int) -> Trail:
+        """Return the trail that a run of so many steps in so many coordinates may leave."""
+        whole = np.empty((2 * steps, size, size))
+        return Trail(False, whole, np.zeros((steps, 2), dtype=np.int64), np.empty((steps, 2, size)))
 
 
 @kernel
@@ -114,12 +97,16 @@ def march(  # noqa: C901
     sources: Array,
     powers: Array,
     numbers: Numbers,
+    trail: Trail,
 ) -> tuple[Array, Array]:
     """Step through ``grid``; one Newton step a stage from a guess of first order, exact for linear films.
 
     ``sources`` (h, r) are the heaters, ``powers`` (steps, 2, h) what they give. What does not depend on temperature
     goes into one matrix, and where that is all, a matrix is factored anew only where the step or a joint changes.
     All matrices are symmetric and are gone through by rows, which processors take several numbers of at once.
+
+    Beside a run whose ``trail`` is known no matrix is factored: what that run solved for, x, and one step of refining
+    it, x + A^-1 (b - B x), with its factors of A and the own B and b, leave out the square of what the runs differ by.
     """
     n, r = len(grid), len(start)
     masses, stiffnesses, means, changes, joined, joint, jumps, closed, mean = parts
@@ -127,6 +114,8 @@ def march(  # noqa: C901
     reference, capacity_rate, capacity_bend, conduction_rate, exponent = numbers[:5]
     lost, lost_rate, lost_bend, back, joint_rate, surroundings = numbers[5:11]
     bench_share, bench_time, wire_rate = numbers[11:]
+    known, factors, which, answers = trail
+    factored = -1
     states, slopes = np.zeros((n, r)), np.zeros((n, r))
     states[0] = start
     slope = np.zeros(r)
@@ -166,8 +155,14 @@ def march(  # noqa: C901
     better = conduction_rate != 0.0 or changes.shape[2] > 1
     alike = count == 0 and not heavier and not better and joint_rate == 0.0
     tangent, matrix = np.empty((r, r)), np.empty((r, r))
-    flow, right = np.empty(r), np.empty(r)
-    steeper = np.empty(len(owner))
+    # The same in one row each: long rows are added faster.
+    whole_mass, whole_tangent = mass.reshape(r * r), tangent.reshape(r * r)
+    whole_masses, whole_stiffnesses = (masses.reshape(len(masses), r * r), stiffnesses.reshape(len(masses), r * r))
+    flow, right, other, ahead = np.empty(r), np.empty(r), np.zeros(r), np.empty(r)
+    bent_rows = rows[bent[:count]]
+    across = bent_rows.T.copy()
+    steeper, warmth, onto = np.empty(count), np.empty(count), np.zeros(count)
+    scaled = np.empty((r, count))
     known_step, known_closed = -1.0, np.zeros(len(joint))
     warmed = 0.0
     for number in range(n - 1):
@@ -183,8 +178,7 @@ def march(  # noqa: C901
                 warm = at - reference
                 factor = _between(at, changes[0, p, :, 0], changes[0, p, :, 1], 0, changes.shape[2])
                 factor *= max(1.0 + (capacity_rate + capacity_bend * warm) * warm, 0.05)
-                for i in range(r):
-                    _add(mass[i], factor, masses[p, i])
+                _add(whole_mass, factor, whole_masses[p])
         for stage in range(2):
             same = alike and abs(step - known_step) <= 1e-9 * step
             for j in range(len(joint)):
@@ -199,13 +193,16 @@ def march(  # noqa: C901
                         at = _dot(means[p], guess)
                         factor = _between(at, changes[1, p, :, 0], changes[1, p, :, 1], 0, changes.shape[2])
                         factor *= max(1.0 + conduction_rate * (at - reference), 0.05)
-                        for i in range(r):
-                            _add(tangent[i], factor - 1.0, stiffnesses[p, i])
+                        _add(whole_tangent, factor - 1.0, whole_stiffnesses[p])
                 if joint_rate != 0.0:
                     tangent += max(joint_rate * (_dot(mean, guess) - reference), -0.95) * joined
+            if known:
+                other[:] = answers[number, stage]
+                _mix(onto, other, across)
+            ahead[:] = guess + other
             flow[:] = 0.0
             for i in range(r):
-                _add(flow, -guess[i], tangent[i])
+                _add(flow, -ahead[i], tangent[i])
             for face in range(len(scale)):
                 _add(flow, air[number, stage, face], inflow[face])
             if bench_share != 0.0:
@@ -217,10 +214,11 @@ def march(  # noqa: C901
                     follows + (warmed - follows) * np.exp(-passed / max(bench_time, 1e-9)),
                     inflow[bench],
                 )
+            _mix(warmth, guess, across)
             for k in range(count):
                 q = bent[k]
                 face = owner[q]
-                at = _dot(rows[q], guess)
+                at = warmth[k]
                 away = at - air[number, stage, face]
                 h = extra[face]
                 if scale[face] != 0.0:
@@ -234,9 +232,8 @@ def march(  # noqa: C901
                     hot, cold = at + 273.15, air[number, stage, face] + surroundings + 273.15
                     loss += grey[face] * 5.670374419e-8 * (hot**4 - cold**4)
                     rate += 4.0 * grey[face] * 5.670374419e-8 * hot**3
-                _add(flow, -loss * weights[q], rows[q])
+                _add(flow, -(loss + rate * onto[k]) * weights[q], bent_rows[k])
                 steeper[k] = rate * weights[q]
-            _add_squares(tangent, steeper, rows, bent, count)
             for j in range(sources.shape[0]):
                 power = powers[number, stage, j]
                 if power != 0.0:
@@ -247,16 +244,28 @@ def march(  # noqa: C901
             for i in range(r):
                 right[i] = g * flow[i]
             for i in range(r):
-                _add(right, base[i] - guess[i], mass[i])
+                _add(right, base[i] - ahead[i], mass[i])
             if not same:
-                for i in range(r):
-                    for j in range(i, r):
-                        matrix[i, j] = mass[i, j] + g * tangent[i, j]
-                _factor(matrix)
                 known_step = step
                 for j in range(len(joint)):
                     known_closed[j] = closed[number, stage, j]
-            _solve(matrix, right)
+            if known:
+                _solve(factors[which[number, stage]], right)
+                right += other
+            else:
+                if not same:
+                    _add_squares(tangent, steeper, across, scaled)
+                    for i in range(r):
+                        for j in range(i, r):
+                            matrix[i, j] = mass[i, j] + g * tangent[i, j]
+                    _factor(matrix)
+                    factored += 1
+                _solve(matrix, right)
+                if len(factors) > 0:
+                    if not same:
+                        factors[factored] = matrix
+                    which[number, stage] = factored
+                    answers[number, stage] = right
             end = guess + right
             if stage == 0:
                 rise = (end - base) / g
@@ -272,7 +281,7 @@ def march(  # noqa: C901
     return states, slopes
 
 
-@inlined
+@summed
 def _dot(a, b):  # type: ignore[no-untyped-def]
     total = 0.0
     for i in range(len(a)):
@@ -287,23 +296,40 @@ def _add(to, times, row):  # type: ignore[no-untyped-def]
 
 
 @part
-def _add_squares(to, times, rows, which, count):  # type: ignore[no-untyped-def]
-    """Add ``count`` rows by themselves, each ``times`` so much, to the upper half of ``to``.
+def _mix(to, shares, rows):  # type: ignore[no-untyped-def]
+    """Put the sum of ``rows``, each in its share, into ``to``."""
+    to[:] = 0.0
+    for i in range(len(rows)):
+        _add(to, shares[i], rows[i])
 
-    Four go at once: what is added to is fetched and put back a quarter as often.
+
+@summed
+def _add_squares(to, times, across, scaled):  # type: ignore[no-untyped-def]
+    """Add columns of ``across`` (r, count) by themselves, each ``times`` so much, to the upper half of ``to``.
+
+    By two rows and two columns of that at once, which are fetched half as often; some of the other half is touched.
     """
-    fours = count - count % 4
-    for i in range(len(to)):
-        row = to[i, i:]
-        for k in range(0, fours, 4):
-            a, b, c, d = which[k], which[k + 1], which[k + 2], which[k + 3]
-            first, second = times[k] * rows[a, i], times[k + 1] * rows[b, i]
-            third, fourth = times[k + 2] * rows[c, i], times[k + 3] * rows[d, i]
-            one, two, three, four = rows[a, i:], rows[b, i:], rows[c, i:], rows[d, i:]
-            for j in range(len(row)):
-                row[j] += first * one[j] + second * two[j] + third * three[j] + fourth * four[j]
-        for k in range(fours, count):
-            _add(row, times[k] * rows[which[k], i], rows[which[k], i:])
+    r, count = across.shape
+    for i in range(r):
+        for k in range(count):
+            scaled[i, k] = times[k] * across[i, k]
+    even = r - r % 2
+    for i in range(0, even, 2):
+        a, b = scaled[i], scaled[i + 1]
+        for j in range(i, even, 2):
+            c, d = across[j], across[j + 1]
+            ac, ad, bc, bd = 0.0, 0.0, 0.0, 0.0
+            for k in range(count):
+                ac += a[k] * c[k]
+                ad += a[k] * d[k]
+                bc += b[k] * c[k]
+                bd += b[k] * d[k]
+            to[i, j] += ac
+            to[i, j + 1] += ad
+            to[i + 1, j] += bc
+            to[i + 1, j + 1] += bd
+    for i in range(r if even < r else 0):
+        to[i, r - 1] += _dot(scaled[i], across[r - 1])
 
 
 @part
@@ -320,11 +346,19 @@ def _between(at, knots, values, low, high):  # type: ignore[no-untyped-def]
 
 @part
 def _factor(matrix):  # type: ignore[no-untyped-def]
-    """Put D and the rows of L^T in the upper half of a symmetric matrix L D L^T, of which that half is read."""
+    """Put D and the rows of L^T in the upper half of a symmetric matrix L D L^T, of which that half is read.
+
+    Two rows are taken off those below at once.
+    """
     r = len(matrix)
-    for k in range(r):
-        for i in range(k + 1, r):
-            _add(matrix[i, i:], -matrix[k, i] / matrix[k, k], matrix[k, i:])
+    for k in range(0, r - 1, 2):
+        one, two = matrix[k], matrix[k + 1]
+        _add(two[k + 1 :], -one[k + 1] / one[k], one[k + 1 :])
+        for i in range(k + 2, r):
+            first, second = one[i] / one[k], two[i] / two[k + 1]
+            row, above, below = matrix[i, i:], one[i:], two[i:]
+            for j in range(len(row)):
+                row[j] -= first * above[j] + second * below[j]
     for k in range(r):
         for i in range(k + 1, r):
             matrix[k, i] /= matrix[k, k]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 
 import numpy as np
 
-from hyperfab.arrays import Array
+from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.lumping import lumped
 from hyperfab.thermal.tables import Table
 
@@ -128,9 +128,21 @@ class Settings:
         """Return the effects of one run, 0 where they are not given."""
         return np.array([float(self.effects[name][run]) if name in self.effects else 0.0 for name in names])
 
+    def distinct(self) -> tuple[Settings, Ints]:
+        """Return the runs that differ, in the order in which each comes first, and which of them (b,) each run is."""
+        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        effects = given.pop("effects")
+        every = np.column_stack([*given.values(), *effects.values()])
+        _, first, which = np.unique(every, axis=0, return_index=True, return_inverse=True)
+        rows = np.sort(first)
+        kept = {name: values[rows] for name, values in given.items()}
+        only = Settings(**kept, effects={name: values[rows] for name, values in effects.items()})
+        return only, np.searchsorted(rows, first[which.ravel()])
+
     def air_K(self, run: int, times: Array) -> Array:
         """Return by how much the ambient of each face is off at ``times`` [s]: one more axis."""
-        drift = air_drift(lambda name: float(self.of(run, name)[0]), times)
+        drifts = any(name.startswith("ambient_") for name in self.effects)
+        drift = air_drift(lambda name: float(self.of(run, name)[0]), times) if drifts else np.zeros_like(times)
         return np.asarray(drift[..., None] + self.ambient_K[run])
 
     def closes(self, run: int, times: Array) -> Array:

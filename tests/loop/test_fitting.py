@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import lsq_linear, minimize
 
 from hyperfab.arrays import Array
-from hyperfab.loop.fitting import Descent, fit, fitted_misfit
+from hyperfab.loop.fitting import Descent, descent, fit, fitted_misfit
 from hyperfab.loop.judge import judge
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Curve, Problem
@@ -197,12 +197,12 @@ def counted(held: int) -> tuple[Counted, Noise]:
 @pytest.mark.parametrize("held", [0, 2, 4])
 def test_nothing_is_asked_of_constants_that_are_held(held: int) -> None:
     problem, noise = counted(held)
-    descent = Descent(problem, noise, {}, np.ones(4))
+    one = Descent(problem, noise, {}, np.ones(4))
     before = problem.asked
-    descent.ask()
+    one.ask()
     assert problem.asked - before == 4 - held
-    assert np.all(descent.jacobian[:, :held] == 0.0)
-    assert np.all(descent.jacobian[-1, held:] != 0.0)
+    assert np.all(one.jacobian[:, :held] == 0.0)
+    assert np.all(one.jacobian[-1, held:] != 0.0)
 
 
 def scattering(noise: Noise, measured: Array, gain_sd: float, alike: tuple[tuple[int, ...], ...]) -> Noise:
@@ -233,3 +233,18 @@ def test_what_a_model_leaves_in_a_metric_is_worked_out_once() -> None:
     assert np.array_equal(again, first)
     louder = Noise(2.0 * noise.sd, np.inf, "known")
     assert not np.array_equal(fitted_misfit(problem, louder, near), again)
+
+
+@pytest.mark.parametrize(("well_known", "steps"), [(True, [3] * 4 + [2] * 2), (False, [5] * 4)])
+def test_the_worse_half_of_several_starts_is_left_soon_where_constants_are_well_known(
+    well_known: bool, steps: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, noise = counted(0)
+    monkeypatch.setattr(Counted, "well_known", well_known)
+    asked: list[tuple[int, float]] = []
+    advance = Descent.advance
+    monkeypatch.setattr(Descent, "advance", lambda self, n: asked.append((n, self.cost)) or advance(self, n))
+    starts = [np.full(4, start) for start in (1.0, 30.0, -30.0, 2.0)]
+    found = descent(problem, noise, {}, starts)
+    assert [n for n, _ in asked] == [*steps, 30]
+    assert found.x == pytest.approx(fit(problem, noise, {}, np.ones(4)).x, rel=1e-6)

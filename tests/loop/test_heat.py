@@ -20,6 +20,9 @@ from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.catalogue.heat import DataContext, base_conduction
 from hyperfab.loop.heat import HeatProblem
+from hyperfab.loop.problem import split
+from hyperfab.thermal import reduced
+from hyperfab.thermal.reduced_steps import march
 from hyperfab.thermal.sensors import lagging
 
 CUBE = """format = "hyperfab.mold/1"
@@ -89,6 +92,36 @@ def test_effects_of_a_mold_are_absent_at_their_null() -> None:
         for form in effect.forms:
             with_null = problem.predict(own, {effect.id: (form.name, np.array(form.null))})
             assert np.array_equal(with_null, plain), effect.id
+
+
+@pytest.mark.parametrize(
+    ("name", "form", "values"),
+    [
+        ("radiation", "grey", [0.4]),
+        ("sensor-lag", "two-stage", [12.0, 5.0]),
+        ("ambient-drift", "quadratic", [2e-3, 1e-6]),
+        ("property-drift", "both", [1e-3, -5e-4]),
+        ("power-loss", "wire", [1e-3]),
+    ],
+)
+def test_slopes_by_the_matrices_of_one_run_are_those_of_runs_of_their_own(
+    name: str, form: str, values: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, _ = cube(20.0, 25.0)
+    forms = {name: problem.effect(name).form(form)}
+    x = np.array([*(1.01 * problem.given), *values])
+    scale = [one.scale for one in (*problem.own, *forms[name].constants)]
+    moved = x + np.diag(1e-5 * np.maximum(np.abs(x), scale))
+    own = len(problem.own)
+    base = problem.predict(x[:own], split(x[own:], forms))
+    whole = problem.predict_many(moved[:, :own], forms, moved[:, own:]) - base
+    runs = []
+    monkeypatch.setattr(reduced, "march", lambda *of: runs.append(of[-1].known) or march(*of))
+    near = problem.predict_near(x, forms, moved) - base
+    size = np.abs(whole).max(axis=1)
+    assert np.all(np.abs(near - whole).max(axis=1) <= 1e-4 * size + 1e-9)
+    # One run has its matrices factored; what a sensor lags by alone is no other run of the mold.
+    assert runs == [False] + [True] * (own + len(values) * (name != "sensor-lag"))
 
 
 def test_wire_at_constant_voltage_warms_as_the_ordinary_differential_equation_says() -> None:

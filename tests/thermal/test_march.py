@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, march
+from hyperfab.thermal.reduced_steps import Faces, Numbers, Parts, Trail, march
 
 GAMMA = 1.0 - 0.5 * np.sqrt(2.0)
 END = 400.0
@@ -93,21 +93,25 @@ def settings(case):
     )
 
 
-def stepped(case, steps, shares=(1.0,)):
-    """Each point of the faces stands as several, of these shares of its area."""
+def stepped(case, steps, shares=(1.0,), off=0.0, trail=None):
+    """Each point of the faces stands as several, of these shares of its area; all that may be is ``off`` by a share."""
     numbers, film, changes, scale, extra, grey = settings(case)
+    numbers = {name: value * (1.0 + 0.7 * off) for name, value in numbers.items()}
+    scale, extra, grey = scale * (1.0 + off), extra * (1.0 - off), grey * (1.0 + 2.0 * off)
     # Steps that grow: what is kept from one step to the next must notice.
     grid = END * np.linspace(0.0, 1.0, steps + 1) ** 1.2
     stages = np.stack([grid[:-1] + GAMMA * np.diff(grid), grid[1:]], axis=1)
     at = lambda signal: np.array([[signal(t) for t in pair] for pair in stages])  # noqa: E731
-    parts = Parts(MASSES, STIFFNESSES, MEANS, changes, JOINED, np.array([6.0]), JUMP[None], at(closed), MEAN)
+    masses, stiffnesses = MASSES * (1.0 + off), STIFFNESSES * (1.0 - 3.0 * off)
+    joined, joint = JOINED * (1.0 + off), np.array([6.0 - off])
+    parts = Parts(masses, stiffnesses, MEANS, changes, joined, joint, JUMP[None], at(closed), MEAN)
     first = np.array([0, len(film[0]), len(film[0]) + 1, len(film[0]) + 2])
     knots, values = (np.concatenate([row, [0.0, 0.0]]) for row in film)
     rows, owner = (np.repeat(of, len(shares), axis=0) for of in (ROWS, OWNER))
     faces = Faces(rows, np.outer(WEIGHTS, shares).ravel(), owner, scale, extra, grey, at(air), knots, values, first)
-    start = np.array([30.0, 25.0, 40.0])
-    states, slopes = march(grid, start, parts, faces, SOURCES, at(powers), Numbers(**numbers))
-    return states, slopes
+    start = np.array([30.0 + off, 25.0 - 2.0 * off, 40.0])
+    room = Trail.room(0, 3) if trail is None else trail
+    return march(grid, start, parts, faces, SOURCES, at(powers) * (1.0 + off), Numbers(**numbers), room)
 
 
 @cache
@@ -164,6 +168,23 @@ def test_points_may_stand_as_several(count):
     case = CASES["radiates to warmer surroundings"]
     for one, several in zip(stepped(case, 20), stepped(case, 20, shares), strict=True):
         np.testing.assert_allclose(several, one, rtol=1e-11)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_runs_beside_another_leave_out_the_square_of_what_they_are_off_by(name):
+    """Each constant, the start and the power are off together; the matrices are those of the run that is none."""
+    trail = Trail.room(40, 3)
+    nominal, _ = stepped(CASES[name], 40, trail=trail)
+    missed, moved = [], []
+    for off in (1e-3, 1e-4):
+        whole, beside = (stepped(CASES[name], 40, off=off, trail=one)[0] for one in (None, trail._replace(known=True)))
+        missed.append(np.abs(beside - whole).max())
+        moved.append(np.abs(whole - nominal).max())
+    assert moved[0] > 0.005
+    assert missed[0] < 0.01 * moved[0]
+    assert missed[1] < 0.015 * missed[0] + 1e-10
+    again, _ = stepped(CASES[name], 40, trail=trail._replace(known=True))
+    np.testing.assert_allclose(again, nominal, rtol=1e-12)
 
 
 def test_steps_close_in_with_their_square():

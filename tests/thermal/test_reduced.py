@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hyperfab.thermal.condition import Contact, Convection, Heater
+from hyperfab.thermal.course import Course
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.reduced import reduce
-from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.sensors import lagging
 from hyperfab.thermal.settings import patch
 from hyperfab.thermal.tables import Table

@@ -14,10 +14,10 @@ from hyperfab.chapters.uncertainty.carry import Answer, Changes, Figures, Nearby
 from hyperfab.chapters.uncertainty.sources import Entry, Film, Number, Origins
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
+from hyperfab.thermal.course import Course
 from hyperfab.thermal.history import History
 from hyperfab.thermal.projected import why_not
 from hyperfab.thermal.reduced import ReducedMold, reduce
-from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.trail import examples

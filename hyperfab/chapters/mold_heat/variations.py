@@ -16,9 +16,9 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.inputs import Inputs
+from hyperfab.thermal.course import Course
 from hyperfab.thermal.history import History
 from hyperfab.thermal.reduced import ReducedMold, reduce
-from hyperfab.thermal.reduced_steps import Course
 from hyperfab.thermal.settings import Settings
 from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.trail import examples
