@@ -25,7 +25,6 @@ class Settings:
     """
 
     name: str = "fabric"
-    number: int = 1
     bulk_modulus: float | None = None
     density: float = 1e-9
     comments: Sequence[str] = ()
@@ -41,13 +40,12 @@ FoamWriter = Callable[[Hyperfoam, Settings], list[str]]
 
 @dataclass(frozen=True)
 class Format:
-    """A solver's card format: its name, the ending of its files, how it marks comments, a writer for each law.
+    """A solver's card format: its name, how it marks comments, a writer for each law.
 
     ``foam`` writes a hyperfoam, ``sheet`` an orthotropic sheet, where the solver has a law of threads.
     """
 
     name: str
-    suffix: str
     comment: Callable[[str], str]
     writers: Mapping[str, Writer]
     foam: FoamWriter

@@ -54,29 +54,12 @@ def _lines(values: Sequence[float]) -> list[str]:
 
 
 def _card(keyword: str, values: Sequence[float], settings: Settings) -> list[str]:
-    return [
-        f"*MATERIAL, NAME={settings.name}",
-        "*DENSITY",
-        number(settings.density),
-        keyword,
-        *_lines(values),
-    ]
+    return [f"*MATERIAL, NAME={settings.name}", "*DENSITY", number(settings.density), keyword, *_lines(values)]
 
 
-def _polynomial(order: int, *names: str) -> Writer:
+def _polynomial(form: str, order: int, *names: str) -> Writer:
     def write(material: Material, settings: Settings) -> list[str]:
-        values = [*cij(material, *names), *volumetric(settings, order)]
-        return _card(f"*HYPERELASTIC, POLYNOMIAL, N={order}", values, settings)
-
-    return write
-
-
-def _reduced(order: int) -> Writer:
-    names = [f"{i}0" for i in range(1, order + 1)]
-    keyword = "*HYPERELASTIC, NEO HOOKE" if order == 1 else f"*HYPERELASTIC, REDUCED POLYNOMIAL, N={order}"
-
-    def write(material: Material, settings: Settings) -> list[str]:
-        return _card(keyword, [*cij(material, *names), *volumetric(settings, order)], settings)
+        return _card(f"*HYPERELASTIC, {form}", [*cij(material, *names), *volumetric(settings, order)], settings)
 
     return write
 
@@ -102,14 +85,9 @@ def _marlow(material: Material, settings: Settings) -> list[str]:
     stretch = np.union1d(_way(material, 0.5), _way(material, 15.0))
     stress = material.uniaxial(stretch).P
     rows = [f"{number(P)}, {number(lam - 1.0)}" for lam, P in zip(stretch, stress, strict=True)]
-    volumetric = (
-        []
-        if settings.bulk_modulus is None
-        else [f"*HYPERELASTIC, MARLOW, POISSON={number(poisson(material, settings.bulk_modulus))}"]
-    )
-    keyword = volumetric or ["*HYPERELASTIC, MARLOW"]
-    head = [f"*MATERIAL, NAME={settings.name}", "*DENSITY", number(settings.density)]
-    return [*head, *keyword, "*UNIAXIAL TEST DATA", *rows]
+    bulk = settings.bulk_modulus
+    ratio = "" if bulk is None else f", POISSON={number(poisson(material, bulk))}"
+    return [*_card(f"*HYPERELASTIC, MARLOW{ratio}", [], settings), "*UNIAXIAL TEST DATA", *rows]
 
 
 def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
@@ -123,13 +101,7 @@ def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
         )
     angles = np.deg2rad([one.angle_deg for one in threads])
     ways = [f"{number(np.cos(one))}, {number(np.sin(one))}, 0." for one in angles]
-    values = [
-        law.parameters["C10_MPa"],
-        *volumetric(settings, 1),
-        threads[0].k1,
-        max(threads[0].k2, _LEAST),
-        0.0,
-    ]
+    values = [law.parameters["C10_MPa"], *volumetric(settings, 1), threads[0].k1, max(threads[0].k2, _LEAST), 0.0]
     keyword = f"*ANISOTROPIC HYPERELASTIC, HOLZAPFEL, LOCAL DIRECTIONS={len(threads)}"
     axes = f"{settings.name[: _LABEL - 5]}-axes"
     return [
@@ -163,23 +135,21 @@ def _way(material: Material, end: float) -> Array:
 
 FORMAT = Format(
     name="abaqus",
-    suffix=".inp",
     foam=_foam,
     sheet=_sheet,
     comment=lambda line: f"** {line}",
     writers={
-        "neo-hookean": _reduced(1),
-        "yeoh-1": _reduced(1),
-        "yeoh-2": _reduced(2),
-        "yeoh-3": _reduced(3),
-        "mooney-rivlin-2": _polynomial(1, "10", "01"),
-        "mooney-rivlin-3": _polynomial(2, "10", "01", "20", "11", "02"),
-        "mooney-rivlin-5": _polynomial(2, "10", "01", "20", "11", "02"),
-        "mooney-rivlin-9": _polynomial(3, "10", "01", "20", "11", "02", "30", "21", "12", "03"),
+        **dict.fromkeys(("neo-hookean", "yeoh-1"), _polynomial("NEO HOOKE", 1, "10")),
+        "yeoh-2": _polynomial("REDUCED POLYNOMIAL, N=2", 2, "10", "20"),
+        "yeoh-3": _polynomial("REDUCED POLYNOMIAL, N=3", 3, "10", "20", "30"),
+        "mooney-rivlin-2": _polynomial("POLYNOMIAL, N=1", 1, "10", "01"),
+        **dict.fromkeys(
+            ("mooney-rivlin-3", "mooney-rivlin-5"), _polynomial("POLYNOMIAL, N=2", 2, "10", "01", "20", "11", "02")
+        ),
+        "mooney-rivlin-9": _polynomial("POLYNOMIAL, N=3", 3, "10", "01", "20", "11", "02", "30", "21", "12", "03"),
         **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
         "arruda-boyce": _arruda_boyce,
         **dict.fromkeys(("blatz-ko", "blatz-ko-general"), as_foam(_foam)),
-        "gent": _marlow,
-        "arruda-boyce-langevin": _marlow,
+        **dict.fromkeys(("gent", "arruda-boyce-langevin"), _marlow),
     },
 )

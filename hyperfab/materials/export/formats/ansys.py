@@ -9,7 +9,7 @@ and alpha of each term, then beta of all.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from hyperfab.materials.export.card import Format, Settings, Writer, as_foam, cij, number, pairs, volumetric
 from hyperfab.materials.hyperfoam import Hyperfoam
@@ -21,45 +21,28 @@ _PER_COMMAND = 6
 
 def _table(option: str, order: int | None, values: Sequence[float], settings: Settings) -> list[str]:
     count = "" if order is None else str(order)
-    lines = [
-        f"MP,DENS,{settings.number},{number(settings.density)}",
-        f"TB,HYPER,{settings.number},1,{count},{option}",
-    ]
+    lines = [f"MP,DENS,1,{number(settings.density)}", f"TB,HYPER,1,1,{count},{option}"]
     for start in range(0, len(values), _PER_COMMAND):
         row = ",".join(number(value) for value in values[start : start + _PER_COMMAND])
         lines.append(f"TBDATA,{start + 1},{row}")
     return lines
 
 
-def _neo(material: Material, settings: Settings) -> list[str]:
-    return _table("NEO", None, [2.0 * material.c[0], *volumetric(settings)], settings)
+def _of(option: str, order: int | None, values: Callable[[Material], Sequence[float]], terms: int = 1) -> Writer:
+    """Return the writer of a law by its ``values``; ``terms`` are those of the change of volume."""
+    return lambda material, settings: _table(option, order, [*values(material), *volumetric(settings, terms)], settings)
 
 
 def _mooney(order: int, *names: str) -> Writer:
-    def write(material: Material, settings: Settings) -> list[str]:
-        return _table("MOONEY", order, [*cij(material, *names), *volumetric(settings)], settings)
-
-    return write
+    return _of("MOONEY", order, lambda material: cij(material, *names))
 
 
-def _yeoh(order: int) -> Writer:
-    def write(material: Material, settings: Settings) -> list[str]:
-        return _table("YEOH", order, [*material.c, *volumetric(settings, order)], settings)
-
-    return write
-
-
-def _ogden(material: Material, settings: Settings) -> list[str]:
-    order = len(material.c)
-    values = [value for pair in pairs(material) for value in pair]
-    return _table("OGDEN", order, [*values, *volumetric(settings, order)], settings)
+def _ogden(order: int) -> Writer:
+    return _of("OGDEN", order, lambda material: [value for pair in pairs(material) for value in pair], order)
 
 
 def _two(option: str) -> Writer:
-    def write(material: Material, settings: Settings) -> list[str]:
-        return _table(option, None, [material.c[0], material.theta[0], *volumetric(settings)], settings)
-
-    return write
+    return _of(option, None, lambda material: [material.c[0], material.theta[0]])
 
 
 def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
@@ -71,19 +54,16 @@ def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
 
 FORMAT = Format(
     name="ansys",
-    suffix=".inp",
     comment=lambda line: f"! {line}",
     foam=_foam,
     writers={
-        "neo-hookean": _neo,
-        "yeoh-1": _neo,
-        "yeoh-2": _yeoh(2),
-        "yeoh-3": _yeoh(3),
+        **dict.fromkeys(("neo-hookean", "yeoh-1"), _of("NEO", None, lambda material: [2.0 * material.c[0]])),
+        **{f"yeoh-{order}": _of("YEOH", order, lambda material: material.c, order) for order in (2, 3)},
         "mooney-rivlin-2": _mooney(2, "10", "01"),
         "mooney-rivlin-3": _mooney(3, "10", "01", "11"),
         "mooney-rivlin-5": _mooney(5, "10", "01", "20", "11", "02"),
         "mooney-rivlin-9": _mooney(9, "10", "01", "20", "11", "02", "30", "21", "12", "03"),
-        **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
+        **{f"ogden-{order}": _ogden(order) for order in (1, 2, 3)},
         "arruda-boyce": _two("BOYCE"),
         "gent": _two("GENT"),
         **dict.fromkeys(("blatz-ko", "blatz-ko-general"), as_foam(_foam)),

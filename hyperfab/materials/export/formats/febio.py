@@ -17,13 +17,14 @@ its own or that of its parts: it stands at both.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from xml.sax.saxutils import escape, quoteattr
 
 from hyperfab.materials.export.card import (
     Format,
     NoCard,
     Settings,
+    Writer,
     families,
     ground,
     number,
@@ -38,17 +39,31 @@ from hyperfab.materials.orthotropic import Orthotropic
 _STIFF = 1000.0
 
 
-def _material(kind: str, values: Sequence[tuple[str, float]], material: Material, settings: Settings) -> list[str]:
-    bulk = settings.bulk_modulus
-    if bulk is None:
-        bulk = _STIFF * shear_modulus(material)
-    rows = [("density", settings.density), *values, ("k", bulk)]
-    return _element(kind, rows, settings)
+def _of(kind: str, values: Callable[[Material], Iterable[tuple[str, float]]]) -> Writer:
+    """Return the writer of a law that is uncoupled, by its ``values``."""
+
+    def write(material: Material, settings: Settings) -> list[str]:
+        bulk = _bulk(settings, shear_modulus(material))
+        return _element(kind, [("density", settings.density), *values(material), ("k", bulk)], settings)
+
+    return write
+
+
+def _bulk(settings: Settings, stiffness: float) -> float:
+    return _STIFF * stiffness if settings.bulk_modulus is None else settings.bulk_modulus
+
+
+def _counted(values: Iterable[float]) -> list[tuple[str, float]]:
+    return [(f"c{k}", value) for k, value in enumerate(values, 1)]
+
+
+def _terms(pairs: Iterable[tuple[float, float]]) -> list[tuple[str, float]]:
+    return [one for k, (c, m) in enumerate(pairs, 1) for one in ((f"c{k}", c), (f"m{k}", m))]
 
 
 def _element(kind: str, rows: Sequence[tuple[str, float]], settings: Settings) -> list[str]:
     return [
-        f'<material id="{settings.number}" name={quoteattr(settings.name)} type={quoteattr(kind)}>',
+        f'<material id="1" name={quoteattr(settings.name)} type={quoteattr(kind)}>',
         *(f"  <{tag}>{number(value)}</{tag}>" for tag, value in rows),
         "</material>",
     ]
@@ -60,26 +75,20 @@ def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
             "febio has no law of a foam that contracts: its Ogden unconstrained is a hyperfoam where nu is 0, not "
             + ", ".join(f"{nu:.4g}" for nu in law.nu)
         )
-    terms = [
-        pair
-        for k, (mu, alpha) in enumerate(zip(law.mu, law.alpha, strict=True), 1)
-        for pair in ((f"c{k}", 2.0 * mu), (f"m{k}", alpha))
-    ]
+    terms = _terms((2.0 * mu, alpha) for mu, alpha in zip(law.mu, law.alpha, strict=True))
     return _element("Ogden unconstrained", [("density", settings.density), *terms, ("cp", 0.0)], settings)
 
 
 def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
     base = ground(law)
-    bulk = settings.bulk_modulus
-    if bulk is None:
-        bulk = _STIFF * (shear_modulus(base) + sum(one.k1 for one in families(law)))
+    bulk = _bulk(settings, shear_modulus(base) + sum(one.k1 for one in families(law)))
     rows = [
-        f'<material id="{settings.number}" name={quoteattr(settings.name)} type="uncoupled solid mixture">',
+        f'<material id="1" name={quoteattr(settings.name)} type="uncoupled solid mixture">',
         f"  <density>{number(settings.density)}</density>",
         f"  <k>{number(bulk)}</k>",
         '  <solid type="Yeoh">',
         f"    <density>{number(settings.density)}</density>",
-        *(f"    <c{k}>{number(c)}</c{k}>" for k, c in enumerate(base.c, 1)),
+        *(f"    <{tag}>{number(c)}</{tag}>" for tag, c in _counted(base.c)),
         f"    <k>{number(bulk)}</k>",
         "  </solid>",
     ]
@@ -98,42 +107,22 @@ def _sheet(law: Orthotropic, settings: Settings) -> list[str]:
     return [*rows, "</material>"]
 
 
-def _mooney(material: Material, settings: Settings) -> list[str]:
-    c = [*material.c, 0.0]
-    return _material("Mooney-Rivlin", [("c1", c[0]), ("c2", c[1])], material, settings)
-
-
-def _yeoh(material: Material, settings: Settings) -> list[str]:
-    return _material("Yeoh", [(f"c{k}", c) for k, c in enumerate(material.c, 1)], material, settings)
-
-
-def _series(material: Material, settings: Settings) -> list[str]:
-    powers = series_as_powers(material.c[0], material.theta[0])
-    return _material("Yeoh", [(f"c{k}", c) for k, c in enumerate(powers, 1)], material, settings)
-
-
-def _ogden(material: Material, settings: Settings) -> list[str]:
-    values = [
-        pair for k, (mu, alpha) in enumerate(pairs(material), 1) for pair in ((f"c{k}", mu * alpha), (f"m{k}", alpha))
-    ]
-    return _material("Ogden", values, material, settings)
-
-
-def _gent(material: Material, settings: Settings) -> list[str]:
-    return _material("Gent", [("G", material.c[0]), ("Jm", material.theta[0])], material, settings)
-
-
 FORMAT = Format(
     name="febio",
-    suffix=".feb",
     foam=_foam,
     sheet=_sheet,
     comment=lambda line: f"<!-- {re.sub('-(?=-)', '- ', escape(line))} -->",
     writers={
-        **dict.fromkeys(("neo-hookean", "yeoh-1", "mooney-rivlin-2"), _mooney),
-        **dict.fromkeys(("yeoh-2", "yeoh-3"), _yeoh),
-        **dict.fromkeys(("ogden-1", "ogden-2", "ogden-3"), _ogden),
-        "arruda-boyce": _series,
-        "gent": _gent,
+        **dict.fromkeys(
+            ("neo-hookean", "yeoh-1", "mooney-rivlin-2"),
+            _of("Mooney-Rivlin", lambda material: _counted([*material.c, 0.0][:2])),
+        ),
+        **dict.fromkeys(("yeoh-2", "yeoh-3"), _of("Yeoh", lambda material: _counted(material.c))),
+        **dict.fromkeys(
+            ("ogden-1", "ogden-2", "ogden-3"),
+            _of("Ogden", lambda material: _terms((mu * alpha, alpha) for mu, alpha in pairs(material))),
+        ),
+        "arruda-boyce": _of("Yeoh", lambda material: _counted(series_as_powers(material.c[0], material.theta[0]))),
+        "gent": _of("Gent", lambda material: [("G", material.c[0]), ("Jm", material.theta[0])]),
     },
 )

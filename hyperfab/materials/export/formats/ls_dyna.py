@@ -7,6 +7,8 @@ is ``sum C/b (sum l^b - 3 + (J^(-n b) - 1)/n)`` with one n = nu/(1 - 2 nu), so C
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from hyperfab.materials.export.card import (
     Format,
     NoCard,
@@ -35,11 +37,15 @@ def _head(*names: str) -> str:
     return "$#" + "".join(name.rjust(_WIDTH) for name in names)[2:]
 
 
+def _eight(name: str, values: Sequence[float]) -> list[str]:
+    return [_head(*(f"{name}{r}" for r in range(1, 9))), _row(*values, *[0.0] * (8 - len(values)))]
+
+
 def _first(material: Material, settings: Settings) -> list[str]:
     ratio = _POISSON if settings.bulk_modulus is None else poisson(material, settings.bulk_modulus)
     return [
         _head("mid", "ro", "pr", "n", "nv", "g", "sigf", "ref"),
-        _row(str(settings.number), settings.density, ratio, "0", "0", "0", "0", "0"),
+        _row("1", settings.density, ratio, "0", "0", "0", "0", "0"),
     ]
 
 
@@ -60,24 +66,21 @@ def _ogden(material: Material, settings: Settings) -> list[str]:
         "*MAT_OGDEN_RUBBER_TITLE +",
         settings.name,
         *_first(material, settings),
-        _head(*(f"mu{r}" for r in range(1, 9))),
-        _row(*mus, *[0.0] * (8 - len(mus))),
-        _head(*(f"alpha{r}" for r in range(1, 9))),
-        _row(*alphas, *[0.0] * (8 - len(alphas))),
+        *_eight("mu", mus),
+        *_eight("alpha", alphas),
     ]
 
 
 def _arruda_boyce(material: Material, settings: Settings) -> list[str]:
     mu, lambda_m = material.c[0], material.theta[0]
-    nu = _POISSON
     bulk = settings.bulk_modulus
     if bulk is None:
-        bulk = 2.0 * shear_modulus(material) * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu))
+        bulk = 2.0 * shear_modulus(material) * (1.0 + _POISSON) / (3.0 * (1.0 - 2.0 * _POISSON))
     return [
         "*MAT_ARRUDA_BOYCE_RUBBER_TITLE +",
         settings.name,
         _head("mid", "ro", "k", "g", "n"),
-        _row(str(settings.number), settings.density, bulk, mu, lambda_m**2),
+        _row("1", settings.density, bulk, mu, lambda_m**2),
         _head("lcid", "tramp", "nt"),
         _row("0", 0.0, 0.0),
     ]
@@ -90,22 +93,18 @@ def _foam(law: Hyperfoam, settings: Settings) -> list[str]:
             + ", ".join(f"{nu:.4g}" for nu in law.nu)
         )
     cs = [2.0 * mu / alpha for mu, alpha in zip(law.mu, law.alpha, strict=True)]
-    nothing = [0.0] * (8 - len(cs))
     return [
         "*MAT_HILL_FOAM_TITLE +",
         settings.name,
         _head("mid", "ro", "k", "n", "mu", "lcid", "fittype", "lcsr"),
-        _row(str(settings.number), settings.density, law.bulk_modulus, law.beta[0], 0.1, "0", "0", "0"),
-        _head(*(f"c{r}" for r in range(1, 9))),
-        _row(*cs, *nothing),
-        _head(*(f"b{r}" for r in range(1, 9))),
-        _row(*law.alpha, *nothing),
+        _row("1", settings.density, law.bulk_modulus, law.beta[0], 0.1, "0", "0", "0"),
+        *_eight("c", cs),
+        *_eight("b", law.alpha),
     ]
 
 
 FORMAT = Format(
     name="ls-dyna",
-    suffix=".k",
     comment=lambda line: f"$ {line}",
     foam=_foam,
     writers={
