@@ -132,6 +132,21 @@ TIMES: dict[str, str] = {
     "min": "minutes; mins; minuten; minutos; minuti; dakika",
     "h": "hours; hrs; stunden; horas; heures; saat",
 }
+#: Units in words, as offices write them.
+UNITS: dict[str, str] = {
+    "N": "newton; newtons; nt; н", "kN": "kilonewton; kn; кн",
+    "s": """sec; secs; second; seconds; sek; sekunden; sekunde; seg; segundos; segundo; secondes; seconde; secondi;
+        с; сек""", "min": "minute; minutes; minuten; minutos; minuti; мин",
+    "mm": "millimeter; millimeters; millimetre; millimetres; milimetros; millimetri; мм",
+    "MPa": "megapascal; mpa; мпа", "kPa": "kilopascal; kpa; кпа", "cN": "cn", "mN": "mn", "Pa": "pa; па",
+    "GPa": "gpa; гпа", "degC": "degc; grad c; grad celsius; deg c; celsius; grados c; degres c; gradi c; graus c",
+    "degF": "degf", "kgf": "kgf; kg f; kg force; кгс",
+    "lbf": "lbf; lb f; lbs f; lbs force; lb force; pound force; pounds force", "gf": "gf; g f; гс", "ozf": "ozf",
+    "%": "prozent; percent; per cent; pct; porcentaje; pourcent", "K": "kelvin", "-": "dimensionless; none",
+    "in": "inch; pulg", "kg": "kg; kgs; kilogram; kilograms; kilos", "g": "gm; gms", "lb": "lbs; pounds",
+    "oz": "ounces", "kip": "kips", "tf": "tonf; ton force", "ppm": "microstrain; micro strain; \u03bcepsilon", "m": "м",
+    "cm": "см", "mm2": "мм2", "cm2": "см2",
+}  # fmt: skip
 #: The same for compression, where machines count pushing as positive.
 COMPRESSIVE: dict[str, str] = {
     "strain": """compressive strain; compression strain; compressive strain compression; stauchung; nennstauchung;

@@ -209,30 +209,7 @@ _PER_CENT = re.compile(
 _DASHED = re.compile(r"(.*[\])}])\s*[-\u2013]\s*([^\W\d][\w .]*)")
 #: Degrees before the name of a probe, as loggers write it: [°C] cup, °C [1] cup.
 _BEFORE = re.compile(r"\[?(\u00b0[CF])\]?(?: ?\[\d+\])? +([^\W\d].*)")
-#: Units in words, as offices write them.
-_UNIT_WORDS = {
-    "newton": "N", "newtons": "N", "kilonewton": "kN", "sec": "s", "secs": "s", "second": "s", "seconds": "s",
-    "sek": "s", "sekunden": "s",
-    "sekunde": "s", "seg": "s", "segundos": "s", "segundo": "s", "secondes": "s", "seconde": "s",
-    "secondi": "s", "minute": "min",
-    "minutes": "min", "minuten": "min", "minutos": "min", "minuti": "min", "millimeter": "mm",
-    "millimeters": "mm", "millimetre": "mm",
-    "millimetres": "mm", "milimetros": "mm", "millimetri": "mm", "megapascal": "MPa", "kilopascal": "kPa",
-    "mpa": "MPa", "kpa": "kPa",
-    "cn": "cN", "mn": "mN", "pa": "Pa", "gpa": "GPa", "degc": "degC", "degf": "degF", "kn": "kN",
-    "kgf": "kgf", "lbf": "lbf", "gf": "gf", "ozf": "ozf", "prozent": "%", "percent": "%",
-    "per cent": "%", "pct": "%",
-    "porcentaje": "%", "pourcent": "%", "grad c": "degC", "grad celsius": "degC", "deg c": "degC",
-    "celsius": "degC", "grados c": "degC",
-    "degres c": "degC", "gradi c": "degC", "graus c": "degC", "kelvin": "K", "dimensionless": "-",
-    "none": "-", "inch": "in", "pulg": "in",
-    "kg": "kg", "kgs": "kg", "kilogram": "kg", "kilograms": "kg", "kilos": "kg", "gm": "g", "gms": "g", "lbs": "lb",
-    "pounds": "lb", "ounces": "oz", "kips": "kip", "kg f": "kgf", "g f": "gf", "lb f": "lbf", "lbs f": "lbf",
-    "lbs force": "lbf", "lb force": "lbf", "pound force": "lbf", "pounds force": "lbf", "kg force": "kgf",
-    "tonf": "tf", "ton force": "tf", "nt": "N", "microstrain": "ppm", "micro strain": "ppm", "\u03bcepsilon": "ppm",
-    "н": "N", "кн": "kN", "кгс": "kgf", "гс": "gf", "па": "Pa", "кпа": "kPa", "мпа": "MPa", "гпа": "GPa",
-    "м": "m", "см": "cm", "мм": "mm", "мм2": "mm2", "см2": "cm2", "с": "s", "сек": "s", "мин": "min",
-}  # fmt: skip
+_UNIT_WORDS = {word: unit for unit, told in heading_words.UNITS.items() for word in words(told)}
 
 
 def heading(title: str, index: int) -> Heading:
