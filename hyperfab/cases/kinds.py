@@ -78,8 +78,7 @@ class Amount(Kind):
 
     def read(self, text: Any, option: str) -> float:
         value = quantity(text, self.kind, option=option)
-        found: float = self.checked(text, option, lambda: self.load(value))
-        return found
+        return self.checked(text, option, lambda: self.load(value))
 
     def words(self, value: float) -> str:
         return f"{value!r}{self.unit}" if not tolerance(value) else worded(value, self.unit)
@@ -113,8 +112,7 @@ class Percent(Amount):
     """
 
     def read(self, text: Any, option: str) -> float:
-        found: float = self.checked(text, option, lambda: self.load(_percent(text, self.example)))
-        return found
+        return self.checked(text, option, lambda: self.load(_percent(text, self.example)))
 
 
 @dataclass(frozen=True)
@@ -126,7 +124,7 @@ class Whole(Kind):
     most: int | None = None
 
     def read(self, text: Any, option: str) -> int:
-        return int(self.checked(text, option, lambda: self.load(_whole(text, self.example))))
+        return self.checked(text, option, lambda: self.load(_whole(text, self.example)))
 
     def load(self, data: Any) -> int:
         if isinstance(data, bool) or not isinstance(data, int):

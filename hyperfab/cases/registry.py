@@ -38,5 +38,4 @@ MADE_BY = {
 def case_class(command: str) -> type[Case]:
     """Return the class of the cases of a command."""
     module, name = CASES[command].split(":")
-    found: type[Case] = getattr(importlib.import_module(f"hyperfab.cases.{module}"), name)
-    return found
+    return getattr(importlib.import_module(f"hyperfab.cases.{module}"), name)

@@ -51,6 +51,8 @@ _STATES = (
 _AT_REST, _FEWEST_ROWS = 0.05, 3
 #: A word and a specimen's number behind it.
 _NUMBERED = re.compile(r"(.*[^\W\d])[ _-]?\d{1,2}")
+#: Names of letters of which mechanics numbers the axes: sigma 1, sigma 2, sigma 3.
+_SYMBOLS = ("sigma", "lambda", "epsilon", "gamma", "tau", "lam", "sig", "eps")
 #: A specimen's number or letter behind what a column holds.
 _LABELLED = re.compile(r"([a-z ]*[a-z]{3}) ?(\d{1,2}|(?<= )[a-z])")
 
@@ -126,7 +128,7 @@ def label_of(head: Heading) -> tuple[Heading, Label] | None:
     head = suffixed(head)  # stress_warp_MPa
     match = _LABELLED.fullmatch(plain(head.label))
     if match and read(made := replace(head, label=match[1].strip())):
-        return None if _is_symbol(made) else (made, Label(match[2], "specimen", match[2]))
+        return None if made.label in _SYMBOLS else (made, Label(match[2], "specimen", match[2]))
     words = [word.strip("()[]") for word in re.split(r"[\s_]+", head.title)]
     words = [word for word in words if word != head.unit]
     pairs = ((words[-2:], words[:-2]), (words[:2], words[2:]))
@@ -155,11 +157,6 @@ def _test_of(head: Heading, text: str) -> Label | None:
     """Return the test that a word in a title names where the title as a whole says nothing: stress_biaxial."""
     kind = kind_named(text) if read(head) is None else None
     return Label(kind, "test", kind) if kind else None
-
-
-def _is_symbol(head: Heading) -> bool:
-    """Whether a title is a letter's name, of which mechanics numbers the axes: sigma 1, sigma 2, sigma 3."""
-    return head.label in ("sigma", "lambda", "epsilon", "gamma", "tau", "lam", "sig", "eps")
 
 
 def roles(sheet: CsvSheet) -> Roles:

@@ -169,5 +169,4 @@ def value_of(data: Mapping[str, Any], key: str) -> Any:
 
 
 def _bands(data: Mapping[str, Any]) -> Mapping[str, Any]:
-    found: Mapping[str, Any] = (data.get("uncertainty") or {}).get("quantities", {})
-    return found
+    return (data.get("uncertainty") or {}).get("quantities", {})

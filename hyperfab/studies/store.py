@@ -67,10 +67,8 @@ class Store:
         try:
             found = json.loads(path.read_bytes())
             return Outcome(int(found["status"]), str(found["message"]), tuple(found["warnings"]))
-        except (FileNotFoundError, NotADirectoryError):
-            return None
         except (OSError, ValueError, KeyError, TypeError):
-            return None  # damaged from outside: run it again
+            return None  # not there, or damaged from outside: run it again
 
     def document(self, step: Step) -> dict[str, Any] | None:
         """Return the document a step wrote, or None where it wrote none."""

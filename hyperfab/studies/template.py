@@ -97,10 +97,8 @@ def _value(node: ast.AST, numbers: Mapping[str, Number | None], formula: str) ->
             if node.keywords:
                 raise TemplateError(f"{{{formula}}}: {node.func.id} takes plain numbers")
             return _FUNCTIONS[node.func.id](*(_value(part, numbers, formula) for part in node.args))
-    except (ArithmeticError, TypeError) as error:
-        raise TemplateError(f"{{{formula}}}: {error}") from None
     except TemplateError:
         raise
-    except ValueError as error:  # sqrt of a negative number
+    except (ArithmeticError, TypeError, ValueError) as error:  # sqrt of a negative number
         raise TemplateError(f"{{{formula}}}: {error}") from None
     raise TemplateError(f"{{{formula}}}: a formula has numbers, names, + - * / ( ), {', '.join(_FUNCTIONS)}")

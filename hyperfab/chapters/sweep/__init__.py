@@ -188,12 +188,13 @@ def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: 
     """Follow a dotted key through the classes of a document, as far as they name their keys."""
     current: Any = cls
     for part in key.split("."):
-        items = _items(current)
-        if items is not None and part.isdecimal():
-            current = items
+        options = _options(current)
+        items = [typing.get_args(one)[0] for one in options if typing.get_origin(one) is list]
+        if items and part.isdecimal():
+            current = items[0]
             continue
-        model = _model(current)
-        if model is None:
+        model: Any = next((one for one in options if isinstance(one, type) and issubclass(one, BaseModel)), None)
+        if model is None:  # where keys are free
             return
         if part not in model.model_fields:
             near = [name for name in model.model_fields if name[:4] == part[:4]] or list(model.model_fields)
@@ -204,22 +205,6 @@ def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: 
                 remedy=f"it has {', '.join(near[:8])}; hf schema shows all",
             )
         current = model.model_fields[part].annotation
-
-
-def _model(annotation: Any) -> type[BaseModel] | None:
-    """Return the document class behind an annotation such as ``Energy | None``; None where keys are free."""
-    for option in _options(annotation):
-        if isinstance(option, type) and issubclass(option, BaseModel):
-            return option
-    return None
-
-
-def _items(annotation: Any) -> Any:
-    """Return what a list, such as ``list[Region] | None``, is of; None for anything else."""
-    for option in _options(annotation):
-        if typing.get_origin(option) is list:
-            return typing.get_args(option)[0]
-    return None
 
 
 def _options(annotation: Any) -> tuple[Any, ...]:

@@ -143,17 +143,11 @@ class Field:
     words: tuple[str, str] | None = None
 
 
-def _load(source: Source) -> Grid | None:
-    """Return the field beside a document, or None where it is gone."""
-    name = field_among(source.data.get("files", []))
-    data = None if name is None else source.sibling(name)
-    return None if data is None else read_vtu(data, str(name))
-
-
 def views(source: Source, caption: str, alt: str, fields: Sequence[Field]) -> list[Scene]:
     """Return the view of the field that lies beside a document; none where it is gone, or has none of ``fields``."""
-    grid = _load(source)
-    view = None if grid is None else scene(caption, alt, grid, fields)
+    name = field_among(source.data.get("files", []))
+    data = None if name is None else source.sibling(name)
+    view = None if data is None else scene(caption, alt, read_vtu(data, str(name)), fields)
     return [] if view is None else [view]
 
 
