@@ -65,5 +65,4 @@ def run(job: Job, case: Case) -> int:
 
 def chapter_of(command: str) -> Callable[[Job, Any], int]:
     """Return what runs a command, as its module is called; each takes the case that the registry has for it."""
-    chapter: Callable[[Job, Any], int] = import_module(f"hyperfab.chapters.{command.replace('-', '_')}").run
-    return chapter
+    return import_module(f"hyperfab.chapters.{command.replace('-', '_')}").run

@@ -66,7 +66,6 @@ class Listener(Console):
         self.warnings: list[str] = []
 
     def warn(self, *texts: str) -> None:
-        """Keep warnings."""
         self.warnings += texts
 
 
@@ -77,7 +76,6 @@ class Rerun(Job):
     outputs: list[Kept] = field(default_factory=list)
 
     def opened(self, target: str, suffixes: Sequence[str]) -> Output:
-        """Return an output that is kept."""
         self.outputs.append(Kept(target, suffixes))
         return self.outputs[-1]
 

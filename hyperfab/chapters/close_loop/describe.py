@@ -129,6 +129,7 @@ def errors_of(
 def _error(problem: Problem, found: Finding, channel: int) -> Errors:
     """Return the errors in the readings of a channel; a transverse stretch counts by how much it is narrower."""
     rows, rest = problem.channel == channel, float(channel)
+    place = np.cumsum(rows) - 1  # of a row among those of the channel
     before, after = found.before.fit, found.after.fit
     return errors_of(
         problem.measured[rows] - rest,
@@ -138,19 +139,13 @@ def _error(problem: Problem, found: Finding, channel: int) -> Errors:
         problem.units[channel],
         spread=found.noise.spread(after.predicted)[rows],
         whitened=(before.residual[rows], after.residual[rows]),
-        curves=_of_channel(problem, channel),
+        curves=[place[curve.rows] for curve in problem.curves if curve.channel == channel],
         delivered=problem.delivered[rows] - rest,
     )
 
 
 def _judged(judgement: Judgement) -> dict[str, Any]:
     return {name: getattr(judgement, name) for name in Judged.model_fields}
-
-
-def _of_channel(problem: Problem, channel: int) -> list[Ints]:
-    """Return, for each curve of a channel, where its rows stand among those of that channel."""
-    place = np.cumsum(problem.channel == channel) - 1
-    return [place[curve.rows] for curve in problem.curves if curve.channel == channel]
 
 
 def _rms(values: Array) -> float:

@@ -135,9 +135,11 @@ def pose(
     start = builder.start_field(built)
     probes = np.stack([built.probes[key] for key in read.names])
     began = _probed(built, read.names)[1:]
+    free = _bench_facets(built)
+    bench = FacetOperator(built.mesh.points, built.mesh.facet_nodes(free)) if np.any(free) else None
     # Where the fit may go, the basis follows: that of one conductivity misses half of it by as much as noise.
     mold = reduce(
-        model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), _bench(built), opened,
+        model, probes, start, float(read.times[-1]) - min(0.0, float(read.times[0])), bench, opened,
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
         conducting=(1.0, bounds_of("conductivity", prior)[0]), zones=_ZONES,
     )  # fmt: skip
@@ -291,14 +293,8 @@ def _corners(built: Problem) -> list[float]:
     return sorted(found)
 
 
-def _bench(built: Problem) -> FacetOperator | None:
-    """Return the faces a mold stands on, or else all outer faces without film, radiation or cavity."""
-    free = _bench_facets(built)
-    return FacetOperator(built.mesh.points, built.mesh.facet_nodes(free)) if np.any(free) else None
-
-
 def _bench_facets(built: Problem) -> Flags:
-    """Return which facets of the mesh these are."""
+    """Return the facets a mold stands on, or else all outer ones without film, radiation or cavity."""
     mesh = built.mesh
     outer = mesh.facets.outer & ~built.faces.cavity
     cooled: set[tuple[int, ...]] = set()

@@ -134,7 +134,8 @@ def of_sandwich(inputs: Inputs, name: str, share: float, stretched: bool) -> Ite
     taken = set()
     for one in of_document(document, plain, name):
         taken |= {number.name for number in one.numbers}
-        yield _chapter(one), one
+        chapter = str(getattr(one.numbers[0], "place", ("",))[0])
+        yield {"press": "mounting", "expansion": "temperature"}.get(chapter, "foam"), one
 
     def entry(place: Place, kind: str, unit: str) -> Entry:
         return Entry(name, place, float(quantity(inside(plain, place), kind)), unit)
@@ -160,12 +161,6 @@ def of_sandwich(inputs: Inputs, name: str, share: float, stretched: bool) -> Ite
             number = entry(("press", key, axis), kind, unit)
             if number.name not in taken:
                 yield "mounting", together([number], sd)
-
-
-def _chapter(one: Origin) -> str:
-    """Return whose a quantity of the sandwich's document is."""
-    place = getattr(one.numbers[0], "place", ("",))[0]
-    return {"press": "mounting", "expansion": "temperature"}.get(str(place), "foam")
 
 
 def _compressions(plain: Any) -> list[tuple[Place, Any]]:

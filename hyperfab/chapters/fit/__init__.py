@@ -41,13 +41,7 @@ def run(job: Job, case: FitCase) -> int:
     # What was typed wrong is told before what the files are wrong in.
     if model not in ("all", "orthotropic", *ORDERS):
         law(model)
-    named = {
-        "": case.files,
-        "uniaxial": case.uniaxial,
-        "shear": case.shear,
-        "biaxial": case.biaxial,
-        "volumetric": case.volumetric,
-    }
+    named = {"": case.files} | {kind: getattr(case, kind) for kind in ("uniaxial", "shear", "biaxial", "volumetric")}
     sizes, steps = geometry(case), steps_of(case)
     noise = _noise(case.noise, sizes)
     told: list[str] = []

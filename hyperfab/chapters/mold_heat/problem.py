@@ -82,7 +82,10 @@ class MoldBuilder:
         start = document.run.start
         #: The mesh once it is made, with the geometry that was meshed.
         self.meshed: tuple[Geometry, RawMesh] | None = None
-        self.earlier = earlier_field(inputs, name, start.document) if isinstance(start, EarlierField) else None
+        self.earlier: Grid | None = None
+        if isinstance(start, EarlierField):
+            heat = inputs.beside(name, start.document)
+            self.earlier = read_field(inputs, heat, read_document(inputs, heat, HeatDocument))
 
     def take_mesh(self, other: MoldBuilder) -> None:
         """Take the mesh that another builder has made, where it is one of the same bodies."""
@@ -320,12 +323,6 @@ class MoldBuilder:
                 )
             found[probe.name] = sensor
         return found
-
-
-def earlier_field(inputs: Inputs, mold: str, relative: str) -> Grid:
-    """Read the last field of the heat document that ``mold`` names; InputError where there is none."""
-    name = inputs.beside(mold, relative)
-    return read_field(inputs, name, read_document(inputs, name, HeatDocument))
 
 
 def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int]) -> Array:

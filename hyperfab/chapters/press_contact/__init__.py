@@ -45,10 +45,9 @@ SIBLINGS = (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.
 def run(job: Job, case: PressCase) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
     out = job.opened(job.target, SIBLINGS)
-    if case.design_gap is not None and not out.wants_files:
-        raise UsageError("--design-gap writes an STL beside the document: name it with -o press.json")
-    if case.compensate and not out.wants_files:
-        raise UsageError("--compensate writes an STL beside the document: name it with -o press.json")
+    for option, asked in (("--design-gap", case.design_gap is not None), ("--compensate", case.compensate)):
+        if asked and not out.wants_files:
+            raise UsageError(f"{option} writes an STL beside the document: name it with -o press.json")
     files = read_files(job, case)
     setting = read_setting(job, case.foam, files.document)
     if case.wanted is not None and setting is None:

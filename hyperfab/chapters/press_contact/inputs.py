@@ -142,12 +142,6 @@ def across(name: str, document: FoamDocument, key: Literal["tilt", "offset"], ax
     return found
 
 
-def in_plan(frame: PressFrame, degrees: np.ndarray) -> tuple[float, float]:
-    """Return a tilt (3,) [deg] about the drawing's axes in the press frame [rad]."""
-    first, second, _ = np.radians(frame.inward(degrees)) + 0.0  # no negative zeros
-    return float(first), float(second)
-
-
 def shrinkage(job: Job, name: str, document: FoamDocument, temperature: float, dwell: float | None) -> float:
     """Return the share of the foam's thickness that is lost at ``temperature`` [degC] by the end of the dwell."""
     given = document.shrinkage

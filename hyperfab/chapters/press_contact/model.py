@@ -186,7 +186,9 @@ def sandwich_of(job: Job, case: PressCase, files: Files, warm: float) -> tuple[S
 
 def tilt_of(case: PressCase, files: Files) -> tuple[float, float]:
     """Return how far out of parallel the press stands, in the press frame [rad]."""
-    return read.in_plan(files.frame, files.tilt if case.tilt is None else _across(case.tilt, case.axis))
+    degrees = files.tilt if case.tilt is None else _across(case.tilt, case.axis)
+    first, second, _ = np.radians(files.frame.inward(degrees)) + 0.0  # no negative zeros
+    return float(first), float(second)
 
 
 def offset_of(files: Files) -> np.ndarray:

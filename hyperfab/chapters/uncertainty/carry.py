@@ -351,7 +351,7 @@ class Carried:
                 by = self._by_number(self.along[name])
                 handed |= {f"{name}_by_{k}": each for k, each in enumerate(by, 1)}
         if told.quantities or handed:
-            told.sources = described(self.origins)
+            told.sources = [described(one) for one in self.origins.found]
         shown = {name: sd for name, sd in self.fields.items() if name not in _UNSEEN}
         return Sure(told, shown, handed)
 

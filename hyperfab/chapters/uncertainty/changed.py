@@ -87,8 +87,7 @@ class _Moved(Inputs):
             return super().parsed(name, kind, parse)
         if (name, kind) not in self._kept.documents:
             self._kept.documents[name, kind] = super().parsed(name, kind, parse)
-        found: Parsed = self._kept.documents[name, kind]
-        return found
+        return self._kept.documents[name, kind]
 
     def read(self, name: str, limit: int = MAX_BYTES) -> bytes:
         return self._written[name] if name in self._written else self._inputs.read(name, limit)

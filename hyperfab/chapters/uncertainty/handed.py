@@ -36,7 +36,6 @@ class Handed:
     file: str | None = None
 
     def move(self, inputs: Changed[Any], change: float) -> None:
-        """Change it."""
         for document, index in self.at.items():
             changes = inputs.handed.setdefault(document, {})
             changes[index] = changes.get(index, 0.0) + change
@@ -103,12 +102,8 @@ def _add(found: Origins, part: SourcePart, document: str, start: int) -> None:
     found.found.append(Origin(source, handed, ids))
 
 
-def described(origins: Origins) -> list[SourcePart]:
-    """Return the sources as documents tell them."""
-    return [_part(one) for one in origins.found]
-
-
-def _part(one: Origin) -> SourcePart:
+def described(one: Origin) -> SourcePart:
+    """Return a source as documents tell it."""
     sd = np.sqrt(np.diag(one.source.covariance))
     more: dict[str, Any] = {}
     if len(sd) > 1:

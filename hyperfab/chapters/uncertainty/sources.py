@@ -51,19 +51,13 @@ class Number(Protocol):
 
 @dataclass(frozen=True)
 class Setting:
-    """A quantity of an option."""
+    """A quantity of an option: its ``name`` is its place in ``setup``."""
 
-    path: str
+    name: str
     file: str | None = None
 
-    @property
-    def name(self) -> str:
-        """Its key in ``setup``."""
-        return self.path
-
     def move(self, inputs: Changed[Any], change: float) -> None:
-        """Change it."""
-        inputs.case = put(inputs.case, self.path, get(inputs.case, self.path) + change)
+        inputs.case = put(inputs.case, self.name, get(inputs.case, self.name) + change)
 
 
 @dataclass(frozen=True)
@@ -82,7 +76,6 @@ class Entry:
         return f"{os.path.basename(self.file)}: {'.'.join(map(str, self.place))}"
 
     def move(self, inputs: Changed[Any], change: float) -> None:
-        """Change it."""
         at = inside(inputs.document(self.file), self.place[:-1])
         if self.unit is None:
             at[self.place[-1]] = min(max(float(at[self.place[-1]]) + change, self.walls[0]), self.walls[1])
@@ -125,7 +118,6 @@ class Along:
         return f"{os.path.basename(self.file)}: constants and effects, direction {self.index}"
 
     def move(self, inputs: Changed[Any], change: float) -> None:
-        """Change them."""
         for place, by in zip(self.places, self.column, strict=True):
             at = inside(inputs.document(self.file), place[:-1])
             at[place[-1]] = float(at[place[-1]]) + change * by
@@ -186,7 +178,7 @@ class Origins:
     @property
     def settings(self) -> set[str]:
         """The places in the case at which options are unsure."""
-        return {number.path for number in self.numbers if isinstance(number, Setting)}
+        return {number.name for number in self.numbers if isinstance(number, Setting)}
 
     def each(self) -> Iterator[tuple[float, int, Array]]:
         """Yield, of each number, its standard deviation, the number of its source, and the unit of it alone there."""
