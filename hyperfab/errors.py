@@ -53,16 +53,25 @@ class InputError(HyperfabError):
         self.line = line
         self.column = column
         self.key = key
+        self.facet = facet
         self.remedy = remedy
 
 
 @contextlib.contextmanager
-def placed(file: str, key: str | None = None) -> Iterator[None]:
-    """Give errors of the physics, which knows no files, their place."""
+def placed(file: str, key: str | None = None, *, line: int | None = None, column: str | None = None) -> Iterator[None]:
+    """Give errors of readers and of the physics, which know no files, their place: of it what they do not name."""
     try:
         yield
     except InputError as error:
-        raise InputError(error.message, file=file, key=key, remedy=error.remedy) from None
+        raise InputError(
+            error.message,
+            file=error.file or file,
+            line=error.line or line,
+            column=error.column or column,
+            key=error.key or key,
+            facet=error.facet,
+            remedy=error.remedy,
+        ) from None
 
 
 def _shown(name: str) -> str:

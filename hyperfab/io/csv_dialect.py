@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.cells import NO_READING, is_number, is_one_at_rest, shape
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, is_closing
@@ -61,38 +61,44 @@ def open_sheets(
     >>> sheet.separator, sheet.columns, sheet.meta("test").value, sheet.headings[1].unit
     (';', (['1,1'], ['0,2']), 'shear', 'MPa')
     """
-    _, picked = split_sheet(name)
-    if is_workbook(data):
-        return _of_workbook(data, name, picked, fits, layout)
-    lines = lines_of(decode(data, name, layout.titles), name)
+    with placed(name):
+        if is_workbook(data):
+            found = _of_workbook(data, name, fits, layout)
+        else:
+            found = _of_text(data, name, fits, layout, sought)
+    return found
+
+
+def _of_text(data: bytes, name: str, fits: Fits, layout: Layout, sought: Sequence[str]) -> list[CsvSheet]:
+    lines = lines_of(decode(data, layout.titles))
     ends = [number for number, line in enumerate(lines[:_WINDOW], 1) if line.startswith(_END_OF_HEADER)]
     if ends and layout.skip_rows is None:
         layout = replace(layout, skip_rows=ends[-1])
     metadata, body, separator = _comments(lines, layout)
     if not body:
-        raise InputError("has no header and no rows", file=name, remedy="a table with a header line is expected")
+        raise InputError("has no header and no rows", remedy="a table with a header line is expected")
     given = separator
     separator = separator or _separator([text for _, text in body[:21]])
-    first = _first_table(body, separator, name, fits, layout)
+    first = _first_table(body, separator, fits, layout)
     if first is not None:
         return [_sheet(block, name, separator, metadata, layout) for block in first]
     marks = [given] if given else list(SEPARATORS)
     if len(body) > 2 * _WINDOW:
-        told = best((mark, find(_rows(body[:_WINDOW], mark, name), fits, layout)) for mark in marks)
+        told = best((mark, find(_rows(body[:_WINDOW], mark), fits, layout)) for mark in marks)
         if told is not None:
-            marks, long = [told[0]], _long(body, *told, name)
+            marks, long = [told[0]], _long(body, *told)
             if long is not None:
                 return [_sheet(long, name, told[0], metadata, layout)]
-    chosen = best((mark, find(_rows(body, mark, name), fits, layout)) for mark in marks)
+    chosen = best((mark, find(_rows(body, mark), fits, layout)) for mark in marks)
     if chosen is None:
         # Rows for columns: a quantity a line.
-        chosen = best((mark, find(transposed(_rows(body, mark, name)), fits, layout)) for mark in SEPARATORS)
+        chosen = best((mark, find(transposed(_rows(body, mark)), fits, layout)) for mark in SEPARATORS)
     if chosen is None:
-        return [_sheet(_plain(body, separator, name, layout, sought), name, separator, metadata, layout)]
+        return [_sheet(_plain(body, separator, layout, sought), name, separator, metadata, layout)]
     separator, blocks = chosen
     if layout.skip_rows is not None:
         blocks = blocks[:1]
-    return [_sheet(block, name, separator, metadata, layout) for block in understood(blocks, name)]
+    return [_sheet(block, name, separator, metadata, layout) for block in understood(blocks)]
 
 
 def open_sheet(
@@ -109,18 +115,22 @@ def open_sheet(
     return sheets[0]
 
 
-def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout: Layout) -> list[CsvSheet]:
+def _of_workbook(data: bytes, name: str, fits: Fits, layout: Layout) -> list[CsvSheet]:
     found: list[CsvSheet] = []
-    titles = worksheets(data, name, picked)
+    book, picked = split_sheet(name)
+    with placed(book):
+        titles = worksheets(data, picked)
 
-    def sheet(title: str, block: Block) -> CsvSheet:
-        return replace(_sheet(block, name if picked else f"{name}:{title}", "cell", {}, layout), label=title)
+    def sheets(title: str, blocks: Sequence[Block]) -> list[CsvSheet]:
+        there = name if picked else f"{name}:{title}"
+        with placed(there):
+            blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks)
+            made = [replace(_sheet(block, there, "cell", {}, layout), label=title) for block in blocks]
+        return made
 
     for title, rows in titles:
         skipped = [row for row in rows if row[0] > (layout.skip_rows or 0) and any(row[1])]
-        blocks = find(skipped, fits, layout)
-        blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks, f"{name}:{title}")
-        found += [sheet(title, block) for block in blocks]
+        found += sheets(title, find(skipped, fits, layout))
     if not found:  # the only table there is: its columns are then named in the message
         tables = [
             (title, block)
@@ -128,13 +138,13 @@ def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout:
             for block in find([row for row in rows if any(row[1])], lambda heads: len(heads) > 1, layout)
         ]
         if len(tables) == 1:
-            return [sheet(*tables[0])]
+            return sheets(tables[0][0], [tables[0][1]])
         for title, rows in titles:
             number = next((number for number, cells in rows if NOT_COMPUTED in cells), None)
             if number is not None:
                 raise InputError(
                     "has a formula whose value the file does not hold, and no table can be read",
-                    file=f"{split_sheet(name)[0]}:{title}",
+                    file=f"{book}:{title}",
                     line=number,
                     remedy="open the workbook in a spreadsheet program and save it again",
                 )
@@ -144,7 +154,6 @@ def _of_workbook(data: bytes, name: str, picked: str | None, fits: Fits, layout:
             "has tables of different columns on its sheets"
             if found
             else f"no sheet has a table that can be read ({', '.join(names[:6])})",
-            file=name,
             remedy=f'name one, as in "{name}:{found[0].label}"'
             if found
             else 'say what its columns are with --columns "Title=force [N],…"',
@@ -177,13 +186,13 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
                 if len(comment[1].split()) <= _WORDS and kind_named(comment[1]) is not None:
                     metadata.setdefault("test", []).append(Entry(comment[1].strip(), number, sure=False))
         elif number <= skip:
-            for known, entries in settings([(number, split(line, _separator([line]), "", number))]).items():
+            for known, entries in settings([(number, split(line, _separator([line]), number))]).items():
                 metadata.setdefault(known, []).extend(entries)
         elif not body and re.fullmatch(r'"?sep=[;,\t|]"?', stripped or line):
             separator = line.strip(' "\r\n')[4:5]
         else:
             body.append((number, line))
-    if comment is not None and body and any(is_data(split(body[0][1], mark, "", 0)) for mark in SEPARATORS):
+    if comment is not None and body and any(is_data(split(body[0][1], mark, 0)) for mark in SEPARATORS):
         body.insert(0, comment)  # a table whose head is a comment, as numpy writes it
     return metadata, body, separator
 
@@ -208,9 +217,9 @@ def _count(line: str, mark: str) -> int:
     return re.sub(r'"[^"]*"', "", line).count(mark)
 
 
-def _rows(body: list[tuple[int, str]], separator: str, name: str) -> list[Row]:
+def _rows(body: list[tuple[int, str]], separator: str) -> list[Row]:
     """Return the rows of all lines; where white space parts them, titles are cut into as many as there are columns."""
-    rows = [(number, split(text, separator, name, number)) for number, text in body]
+    rows = [(number, split(text, separator, number)) for number, text in body]
     if separator != " ":
         return rows
     widths = Counter(len(cells) for _, cells in rows if is_data(cells))
@@ -223,19 +232,19 @@ def _rows(body: list[tuple[int, str]], separator: str, name: str) -> list[Row]:
     ]
 
 
-def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block], name: str) -> Block | None:
+def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block]) -> Block | None:
     """Return the table that a long file is below its head, where it is plain from there to its end; else None."""
     if len(blocks) != 1:
         return None
     block, first = blocks[0], blocks[0].rows[0][0]
     rest = [(number, text) for number, text in body if number >= first]
-    return block if _fill(block, rest, separator, name) else None
+    return block if _fill(block, rest, separator) else None
 
 
-def _fill(block: Block, rows: list[tuple[int, str]], separator: str, name: str) -> bool:
+def _fill(block: Block, rows: list[tuple[int, str]], separator: str) -> bool:
     """Give a block the columns of its rows where they are plain throughout, and return whether they are."""
     if len(rows) * len(block.headings) > MAX_CELLS:
-        raise InputError(f"has more than {MAX_CELLS} cells", file=name, remedy="thin it out or export fewer channels")
+        raise InputError(f"has more than {MAX_CELLS} cells", remedy="thin it out or export fewer channels")
     columns = uniform([text for _, text in rows], separator, len(block.headings)) if len(rows) > _WINDOW else None
     if columns is None or not all(map(_plain_column, columns)):
         return False
@@ -243,29 +252,27 @@ def _fill(block: Block, rows: list[tuple[int, str]], separator: str, name: str) 
     return True
 
 
-def _first_table(
-    body: list[tuple[int, str]], separator: str, name: str, fits: Fits, layout: Layout
-) -> list[Block] | None:
+def _first_table(body: list[tuple[int, str]], separator: str, fits: Fits, layout: Layout) -> list[Block] | None:
     """Return the table whose head is the first line, or None where that is none or other tables follow it."""
     line, text = body[0]
-    titles = split(text, separator, name, line)
+    titles = split(text, separator, line)
     if len(titles) > MAX_COLUMNS:
-        raise InputError(f"has {len(titles)} columns", file=name, line=line, remedy="export fewer channels")
+        raise InputError(f"has {len(titles)} columns", line=line, remedy="export fewer channels")
     if all(is_number(cell) for cell in titles if cell):
         return None
     heads = headings(titles, layout)
     start = 1
-    if len(body) > 1 and is_units(cells := split(body[1][1], separator, name, body[1][0])):
-        heads, start = with_units(heads, cells, body[1][0], name), 2
+    if len(body) > 1 and is_units(cells := split(body[1][1], separator, body[1][0])):
+        heads, start = with_units(heads, cells, body[1][0]), 2
     if not fits(heads):
         return None
     block = Block(line, heads, head=[(line, titles)])
     rest = body[start:]
     if not rest:
-        raise InputError("has a header but no rows", file=name, line=line, remedy="export the readings too")
-    if _fill(block, rest, separator, name):
+        raise InputError("has a header but no rows", line=line, remedy="export the readings too")
+    if _fill(block, rest, separator):
         return [block]
-    block.rows = [(number, split(one, separator, name, number)) for number, one in rest]
+    block.rows = [(number, split(one, separator, number)) for number, one in rest]
     for row, (_, cells) in enumerate(block.rows):
         # Words in mid-table that are a head of their own: another specimen follows.
         if is_label(cells) or (row and not is_data(cells) and any(cells) and fits(headings(cells, layout))):
@@ -288,27 +295,26 @@ def _plain_column(cells: Sequence[str]) -> bool:
     )
 
 
-def _plain(body: list[tuple[int, str]], separator: str, name: str, layout: Layout, sought: Sequence[str]) -> Block:
+def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: Sequence[str]) -> Block:
     """Return what a file most likely is where no head fits: its columns are then named in the message."""
     window = body[:_WINDOW]
-    options = [(mark, _rows(window, mark, name)) for mark in SEPARATORS]
+    options = [(mark, _rows(window, mark)) for mark in SEPARATORS]
     chosen = best((mark, find(rows, lambda heads: len(heads) > 1, layout)) for mark, rows in options)
     if chosen is not None:
         return max(chosen[1], key=lambda one: len(one.rows))
     _, rows = max(options, key=lambda option: sum(is_data(cells) for _, cells in option[1]))
     if is_data(rows[0][1]):
-        raise _headless(rows, name, sought)
-    rows = _rows(window, separator, name)
+        raise _headless(rows, sought)
+    rows = _rows(window, separator)
     return Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
 
 
-def _headless(rows: list[Row], name: str, sought: Sequence[str]) -> InputError:
+def _headless(rows: list[Row], sought: Sequence[str]) -> InputError:
     """Return the error that no line names the columns, with what is ``sought``, of a test what its first readings
     suggest."""
     if sought:
         return InputError(
             "starts with numbers, there is no header",
-            file=name,
             line=rows[0][0],
             remedy=f'name the columns, as in "{",".join(sought)}", or say what they are by number, whichever stands '
             f"first: {filled_in([(str(k), one) for k, one in enumerate(sought, 1)])}",
@@ -320,7 +326,6 @@ def _headless(rows: list[Row], name: str, sought: Sequence[str]) -> InputError:
         names = [("1", "stress [MPa]"), ("2", "stretch")]
     return InputError(
         "starts with numbers, there is no header",
-        file=name,
         line=rows[0][0],
         remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled_in(names)} '
         "(of a machine's own readings extension [mm] and force [N], whichever stands first)",
@@ -330,12 +335,12 @@ def _headless(rows: list[Row], name: str, sought: Sequence[str]) -> InputError:
 def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], layout: Layout) -> CsvSheet:
     """Return a block as a sheet, its rows judged one by one."""
     if block.columns is None:
-        keep_readings(block, name, separator)
+        keep_readings(block, separator)
     everything: dict[str, list[Entry]] = {key: list(entries) for key, entries in metadata.items()}
     for key, entries in block.metadata.items():
         everything.setdefault(key, []).extend(entries)
     if block.columns is None and not block.rows:
-        raise InputError("has a header but no rows", file=name, line=block.head_line, remedy="export the readings too")
+        raise InputError("has a header but no rows", line=block.head_line, remedy="export the readings too")
     columns = (
         block.columns
         if block.columns is not None
@@ -344,7 +349,7 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
     heads = list(block.headings)
     lines = block.lines or [line for line, _ in block.rows]
     for index, cells in enumerate(columns[: len(heads)]):
-        unit = _unit_in(cells, heads[index], lines, name)
+        unit = _unit_in(cells, heads[index], lines)
         if unit is not None:
             heads[index] = replace(heads[index], unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
@@ -366,7 +371,7 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
     )
 
 
-def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int], name: str) -> str | None:
+def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int]) -> str | None:
     """Return the unit that stands behind every number of a column, as in 0.5 MPa; InputError where there are two."""
     unit = unit_behind(cells[0]) if cells else None
     if unit is None or (head.unit in (None, unit) and all(cell.endswith(unit) for cell in cells)):
@@ -377,7 +382,6 @@ def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int], name: st
     than = "the head" if other is None else f"{cells[other]} in line {lines[other]}"
     raise InputError(
         f"{cells[0]} is in another unit than {than}",
-        file=name,
         line=lines[0],
         column=head.title,
         remedy="export the column in one unit",

@@ -39,43 +39,39 @@ _OTHERS = (
 _DOCUMENT = re.compile(rb"""\s*(?:\{\s*"format"\s*:|(?:\#[^\n]*\n\s*)*format\s*=)\s*"(hyperfab\.[\w-]+/\d+)\"""")
 
 
-def decode(data: bytes, name: str, wanted: tuple[str, ...] = ()) -> str:
+def decode(data: bytes, wanted: tuple[str, ...] = ()) -> str:
     """Return the text of a file: UTF-8, UTF-16 (with or without byte-order mark), Windows, Mac or another code page.
 
     Of the code pages in which the bytes are text, that is taken in which most words are known; ``wanted`` are titles
     that it must hold. InputError where the file is empty, too large or no text.
 
-    >>> decode("µ;°".encode("latin-1"), "a.csv"), decode("Prüfkraft".encode("mac_roman"), "a.csv")
+    >>> decode("µ;°".encode("latin-1")), decode("Prüfkraft".encode("mac_roman"))
     ('µ;°', 'Prüfkraft')
     """
     if len(data) > MAX_BYTES:
-        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", file=name, remedy="thin the recording out")
+        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", remedy="thin the recording out")
     if not data.strip():
-        raise InputError("is empty", file=name, remedy="a table with a header line is expected")
+        raise InputError("is empty", remedy="a table with a header line is expected")
     for start, what, remedy in _OTHERS:
         if data.startswith(start):
-            raise InputError(what, file=name, remedy=remedy)
+            raise InputError(what, remedy=remedy)
     document = _DOCUMENT.match(data)
     if document:
         raise InputError(
             f"is a document, {document[1].decode()}, no table of readings",
-            file=name,
             remedy="give the file that the readings stand in",
         )
-    text = _decoded(data, name, wanted).removeprefix("\ufeff").replace("\N{MINUS SIGN}", "-")
+    text = _decoded(data, wanted).removeprefix("\ufeff").replace("\N{MINUS SIGN}", "-")
     found = _CONTROL.search(text)
     if found:
         line = text.count("\n", 0, found.start()) + 1
         raise InputError(
-            f"is no text (character 0x{ord(found[0]):02X})",
-            file=name,
-            line=line,
-            remedy="export it as CSV text or .xlsx",
+            f"is no text (character 0x{ord(found[0]):02X})", line=line, remedy="export it as CSV text or .xlsx"
         )
     return text
 
 
-def _decoded(data: bytes, name: str, wanted: tuple[str, ...]) -> str:
+def _decoded(data: bytes, wanted: tuple[str, ...]) -> str:
     encoding = next((encoding for bom, encoding in _BOMS if data.startswith(bom)), None)
     if encoding is None and len(data) >= 4:
         if data[1::2].count(0) > 0.4 * (len(data) // 2):
@@ -89,7 +85,6 @@ def _decoded(data: bytes, name: str, wanted: tuple[str, ...]) -> str:
             return _by_words(data.removeprefix(codecs.BOM_UTF8), wanted)
         raise InputError(
             f"is no {encoding.upper()[:6].rstrip('-')} text though it starts like it (byte {error.start})",
-            file=name,
             remedy="export it again, as UTF-8",
         ) from None
 

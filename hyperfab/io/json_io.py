@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from json.encoder import encode_basestring_ascii
 from typing import Any, NoReturn
 
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.text import decode_utf8, position
 
 #: Documents are a few levels deep; a deeper one is a mistake or an attack.
@@ -45,38 +45,8 @@ def load_json(data: bytes, name: str) -> Any:
     Traceback (most recent call last):
     hyperfab.errors.InputError: contact.json, line 1, key a: stands twice (character 10); keep one of them
     """
-    if len(data) > MAX_BYTES:
-        raise InputError(
-            f"is larger than {MAX_BYTES // 2**20} MiB",
-            file=name,
-            remedy="a document is a summary; check the file",
-        )
-    text = decode_utf8(data, name)
-    if not text.strip():
-        raise InputError("is empty", file=name, remedy="a JSON document is expected")
-    _check_depth(text, name)
-    try:
-        value = json.loads(text, object_pairs_hook=_pairs, parse_float=_float, parse_int=_int, parse_constant=_constant)
-        if "\\u" in text:
-            _check_surrogates(value)
-    except _Refused as error:
-        raise _located(error, text, name) from None
-    except json.JSONDecodeError as error:
-        if not text[: error.pos].strip():
-            raise InputError(
-                "is no document",
-                file=name,
-                remedy="give one that a command wrote (hf fit makes one of a test), or one in TOML named .toml",
-            ) from None
-        line, character = position(text, error.pos)
-        raise InputError(
-            f"is not valid JSON: {error.msg} (character {character})",
-            file=name,
-            line=line,
-            remedy="a truncated or hand-edited file? make the document again",
-        ) from None
-    except RecursionError:
-        raise InputError("is nested too deep", file=name, remedy="check the file") from None
+    with placed(name):
+        value = _read(data)
     return value
 
 
@@ -96,7 +66,37 @@ def dump_json(document: Mapping[str, Any]) -> bytes:
     return ("".join(_encode(document, "", 0)) + "\n").encode("ascii")
 
 
-def _check_depth(text: str, name: str) -> None:
+def _read(data: bytes) -> Any:
+    if len(data) > MAX_BYTES:
+        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", remedy="a document is a summary; check the file")
+    text = decode_utf8(data)
+    if not text.strip():
+        raise InputError("is empty", remedy="a JSON document is expected")
+    _check_depth(text)
+    try:
+        value = json.loads(text, object_pairs_hook=_pairs, parse_float=_float, parse_int=_int, parse_constant=_constant)
+        if "\\u" in text:
+            _check_surrogates(value)
+    except _Refused as error:
+        raise _located(error, text) from None
+    except json.JSONDecodeError as error:
+        if not text[: error.pos].strip():
+            raise InputError(
+                "is no document",
+                remedy="give one that a command wrote (hf fit makes one of a test), or one in TOML named .toml",
+            ) from None
+        line, character = position(text, error.pos)
+        raise InputError(
+            f"is not valid JSON: {error.msg} (character {character})",
+            line=line,
+            remedy="a truncated or hand-edited file? make the document again",
+        ) from None
+    except RecursionError:
+        raise InputError("is nested too deep", remedy="check the file") from None
+    return value
+
+
+def _check_depth(text: str) -> None:
     if text.count("[") + text.count("{") <= MAX_DEPTH:
         return
     depth = 0
@@ -108,7 +108,6 @@ def _check_depth(text: str, name: str) -> None:
                 line, character = position(text, match.start())
                 raise InputError(
                     f"is nested deeper than {MAX_DEPTH} levels (character {character})",
-                    file=name,
                     line=line,
                     remedy="no document is; check the file",
                 )
@@ -151,21 +150,15 @@ def _check_surrogates(value: object) -> None:
         raise _Refused("half of a surrogate pair in a string", r"\u", "correct the escape") from None
 
 
-def _located(error: _Refused, text: str, name: str) -> InputError:
+def _located(error: _Refused, text: str) -> InputError:
     """Find where the refused token stands: the slow way, only once something was refused."""
     for path, offset, token in _walk(text):
         duplicate = error.token == "duplicate" and token == "duplicate"
         surrogate = error.token == r"\u" and re.search(r"\\u[dD][89a-fA-F]", token) is not None
         if duplicate or surrogate or (token == error.token and token != "duplicate"):
             line, character = position(text, offset)
-            return InputError(
-                f"{error} (character {character})",
-                file=name,
-                line=line,
-                key=path or None,
-                remedy=error.remedy,
-            )
-    return InputError(str(error), file=name, remedy=error.remedy)
+            return InputError(f"{error} (character {character})", line=line, key=path or None, remedy=error.remedy)
+    return InputError(str(error), remedy=error.remedy)
 
 
 def _walk(text: str) -> Iterator[tuple[str, int, str]]:

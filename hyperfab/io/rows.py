@@ -26,11 +26,11 @@ _FORTRAN = re.compile(r"(?<!\w)([+-]?\d*[.,]\d*)[dD]([+-]\d{1,3})\b")
 _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 
 
-def lines_of(text: str, name: str) -> list[str]:
+def lines_of(text: str) -> list[str]:
     """Return the lines of a text; InputError where it has too many or too long ones."""
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\x0b", "\n").replace("\x0c", "\n")
     if text.count("\n") > MAX_ROWS + 1000:
-        raise InputError(f"has more than {MAX_ROWS} rows", file=name, remedy="thin the recording out")
+        raise InputError(f"has more than {MAX_ROWS} rows", remedy="thin the recording out")
     lines = text.split("\n")
     if "D+" in text or "D-" in text or "d+" in text or "d-" in text:
         lines = [_FORTRAN.sub(r"\1E\2", line) if len(line) <= MAX_LINE else line for line in lines]
@@ -38,12 +38,7 @@ def lines_of(text: str, name: str) -> list[str]:
         lines = _whole([_FORMULA.sub(r'\1"\2"', line) for line in lines] if '="' in text else lines)
     if max(map(len, lines)) > MAX_LINE:
         long = next(number for number, line in enumerate(lines, 1) if len(line) > MAX_LINE)
-        raise InputError(
-            f"is longer than {MAX_LINE} characters",
-            file=name,
-            line=long,
-            remedy="is this a table with line ends?",
-        )
+        raise InputError(f"is longer than {MAX_LINE} characters", line=long, remedy="is this a table with line ends?")
     return lines
 
 
@@ -59,10 +54,10 @@ def _whole(lines: list[str]) -> list[str]:
     return lines
 
 
-def split(line: str, separator: str, name: str, number: int) -> list[str]:
+def split(line: str, separator: str, number: int) -> list[str]:
     """Return the cells of a line; InputError where a quote is not closed.
 
-    >>> split('"1,5"; 2 ;', ";", "a.csv", 1), split("  1.5   2", " ", "a.csv", 1)
+    >>> split('"1,5"; 2 ;', ";", 1), split("  1.5   2", " ", 1)
     (['1,5', '2', ''], ['1.5', '2'])
     """
     if separator == " ":
@@ -76,10 +71,7 @@ def split(line: str, separator: str, name: str, number: int) -> list[str]:
             cells = next(csv.reader([line], delimiter=separator, skipinitialspace=True))  # 5" gauge
         else:
             raise InputError(
-                f"a quoted cell is not closed in its line ({error})",
-                file=name,
-                line=number,
-                remedy="mend the quotes",
+                f"a quoted cell is not closed in its line ({error})", line=number, remedy="mend the quotes"
             ) from None
     return [cell.strip() for cell in cells]
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import column_factor
 
@@ -71,13 +71,14 @@ def read_stl(data: bytes, name: str, unit: str = "mm") -> SurfaceMesh:
     (np.float64(200.0), array([[0, 1, 2]]))
     """
     factor = _unit(unit)
-    corners, questions = _corners(data, name)
-    _check_finite(corners, name)
-    vertices, faces = _merge(corners)
-    whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
-    facets = len(faces)
-    if not whole.any():
-        raise InputError(f"has {facets} facets, and none has an area", file=name, remedy="export the surface again")
+    with placed(name):
+        corners, questions = _corners(data, name)
+        _check_finite(corners)
+        vertices, faces = _merge(corners)
+        whole = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])
+        facets = len(faces)
+        if not whole.any():
+            raise InputError(f"has {facets} facets, and none has an area", remedy="export the surface again")
     if not whole.all():
         collapsed = facets - int(whole.sum())
         questions.append(f"{name}: {collapsed} of {facets} facets have two corners in one place and were left out")
@@ -97,50 +98,45 @@ def _unit(unit: str) -> Fraction:
 def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
     """Return the corners (m, 3, 3) in the file's own precision; the length of the file decides what it is."""
     if not data.strip():
-        raise InputError("is empty", file=name, remedy="an STL surface is expected")
+        raise InputError("is empty", remedy="an STL surface is expected")
     claimed = int.from_bytes(data[80:84], "little") if len(data) >= _HEADER else -1
     size = _HEADER + 50 * claimed
     text = b"\x00" not in data[:2048]
     looks_ascii = text and data[:512].lstrip()[:5].lower() == b"solid"
     if claimed >= 0 and len(data) == size:
-        return _binary(data, claimed, name), []
+        return _binary(data, claimed), []
     for start, what in _OTHERS:
         if start.match(data[:65536]):
-            raise InputError(f"is {what}, no STL", file=name, remedy="export the surface as STL")
+            raise InputError(f"is {what}, no STL", remedy="export the surface as STL")
     if looks_ascii:
-        return _ascii(data, name), []
+        return _ascii(data), []
     if claimed < 0:
-        raise InputError(
-            "is no STL file: it has neither the text nor the header of one",
-            file=name,
-            remedy="export it as STL",
-        )
+        raise InputError("is no STL file: it has neither the text nor the header of one", remedy="export it as STL")
     room = (len(data) - _HEADER) // 50
     if claimed > room and text:
-        raise InputError("is text, no STL", file=name, remedy="give the surface, exported as STL")
+        raise InputError("is text, no STL", remedy="give the surface, exported as STL")
     if claimed > room:
         raise InputError(
             f"claims {claimed} facets and has room for {room}",
-            file=name,
             facet=room + 1,
             remedy="the file is truncated or no STL; export or copy it again",
         )
-    return _binary(data, claimed, name), [f"{name}: {len(data) - size} bytes behind the last facet were ignored"]
+    return _binary(data, claimed), [f"{name}: {len(data) - size} bytes behind the last facet were ignored"]
 
 
-def _binary(data: bytes, count: int, name: str) -> NDArray[np.float32]:
-    _check_count(count, name)
+def _binary(data: bytes, count: int) -> NDArray[np.float32]:
+    _check_count(count)
     return np.frombuffer(data, dtype=_RECORD, count=count, offset=_HEADER)["corners"]
 
 
-def _check_count(count: int, name: str) -> None:
+def _check_count(count: int) -> None:
     if count == 0:
-        raise InputError("has no facets", file=name, remedy="export the surface again")
+        raise InputError("has no facets", remedy="export the surface again")
     if count > MAX_FACETS:
-        raise InputError(f"has {count} facets, more than {MAX_FACETS}", file=name, remedy="export it coarser")
+        raise InputError(f"has {count} facets, more than {MAX_FACETS}", remedy="export it coarser")
 
 
-def _ascii(data: bytes, name: str) -> Array:
+def _ascii(data: bytes) -> Array:
     found: list[tuple[bytes, ...]] = []
     place = 0
     data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
@@ -148,28 +144,26 @@ def _ascii(data: bytes, name: str) -> Array:
     while place < end:
         start = _SOLID.match(data, place)
         if start is None:
-            raise _bad_text("expected a line that starts with solid", data, place, name)
+            raise _bad_text("expected a line that starts with solid", data, place)
         place = start.end()
         while facet := _FACET.match(data, place):
             found.append(facet.groups())
             place = facet.end()
             if len(found) > MAX_FACETS:
-                _check_count(len(found), name)
+                _check_count(len(found))
         stop = _ENDSOLID.match(data, place)
         if stop is None:
             what = "the file ends in the middle" if place >= end else f"facet {len(found) + 1} is not complete"
-            raise _bad_text(f"{what}: neither a whole facet nor endsolid", data, place, name)
+            raise _bad_text(f"{what}: neither a whole facet nor endsolid", data, place)
         place = stop.end()
-    _check_count(len(found), name)
+    _check_count(len(found))
     flat = [token for facet in found for token in facet]
     try:
         return np.array(list(map(float, flat))).reshape(-1, 3, 3)
     except ValueError:
         bad = next(index for index, token in enumerate(flat) if not _is_float(token))
         shown = flat[bad][:40].decode("ascii", "replace")
-        raise InputError(
-            f"{shown} is no coordinate", file=name, facet=bad // 9 + 1, remedy="export the surface again"
-        ) from None
+        raise InputError(f"{shown} is no coordinate", facet=bad // 9 + 1, remedy="export the surface again") from None
 
 
 def _is_float(token: bytes) -> bool:
@@ -180,18 +174,17 @@ def _is_float(token: bytes) -> bool:
     return True
 
 
-def _bad_text(message: str, data: bytes, place: int, name: str) -> InputError:
+def _bad_text(message: str, data: bytes, place: int) -> InputError:
     place += len(data[place : place + 4096]) - len(data[place : place + 4096].lstrip())
     line = data.count(b"\n", 0, place) + 1
-    return InputError(message, file=name, line=line, remedy="the file is truncated or damaged; export it again")
+    return InputError(message, line=line, remedy="the file is truncated or damaged; export it again")
 
 
-def _check_finite(corners: NDArray, name: str) -> None:
+def _check_finite(corners: NDArray) -> None:
     bad = np.flatnonzero(~np.isfinite(corners).reshape(len(corners), 9).all(axis=1))
     if bad.size:
         raise InputError(
             f"a corner is not finite ({bad.size} such facets)",
-            file=name,
             facet=int(bad[0]) + 1,
             remedy="export or repair the surface",
         )

@@ -17,7 +17,7 @@ from hyperfab.io.tables import Block, is_units, of_specimens
 _STATED = 60
 
 
-def keep_readings(block: Block, name: str, separator: str) -> None:
+def keep_readings(block: Block, separator: str) -> None:
     """Leave the block with rows that are readings, all of one width.
 
     Rows of means and other words are left out and counted, blank ones too. A row that is neither a reading nor such a
@@ -44,8 +44,8 @@ def keep_readings(block: Block, name: str, separator: str) -> None:
         if not any(cells):
             block.left_out["blank row"] += 1
         elif place <= last and _reads(cells, block.headings, place in named):
-            waiting = _settled(waiting, block, name)
-            kept.append((line, _fitted(cells, width, block.headings[:filled], line, separator, name)))
+            waiting = _settled(waiting, block)
+            kept.append((line, _fitted(cells, width, block.headings[:filled], line, separator)))
         elif place > last or is_closing(next(cell for cell in cells if cell)):
             block.left_out["closing row, no reading"] += 1
             block.words.append(next(cell for cell in cells if cell)[:40])
@@ -108,7 +108,7 @@ def _is_remark(rows: Sequence[Sequence[str]]) -> bool:
     )
 
 
-def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
+def _settled(waiting: list[Row], block: Block) -> list[Row]:
     """Judge words between readings: nothing may be lost there that nobody understands."""
     for line, cells in waiting:
         titles = [one.title for one in block.headings]
@@ -118,7 +118,6 @@ def _settled(waiting: list[Row], block: Block, name: str) -> list[Row]:
         cell = next(cell for cell in cells if cell)
         raise InputError(
             f"{cell[:40]} is no number",
-            file=name,
             line=line,
             column=block.headings[0].title,
             remedy="correct the row or delete it",
@@ -133,7 +132,7 @@ def _reads(cells: Sequence[str], heads: Sequence[Heading], named: bool) -> bool:
     return named or not is_closing(next(cell for cell in cells if cell))
 
 
-def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str, name: str) -> list[str]:
+def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, separator: str) -> list[str]:
     """Return a row as wide as the head; InputError where cells that ``heads`` need lack, or are too many."""
     if len(cells) == width:
         return cells
@@ -145,7 +144,6 @@ def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, s
             return [*cells, *[""] * (width - len(cells))]
     raise InputError(
         f"has {len(cells)} cells, the header has {width}",
-        file=name,
         line=line,
         remedy=_ragged_remedy(len(cells), width, separator),
     )

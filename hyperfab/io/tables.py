@@ -244,10 +244,10 @@ def is_units(cells: Sequence[str]) -> bool:
     )
 
 
-def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0, name: str = "") -> tuple[Heading, ...]:
+def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0) -> tuple[Heading, ...]:
     """Return headings with the units of a row of their own; where it gainsays the head both stand, to be refused.
 
-    InputError at once where the file's ``name`` is given.
+    InputError at once where the ``line`` is given.
     """
     found = []
     for one, cell in zip(heads, [*cells, *[""] * len(heads)][: len(heads)], strict=True):
@@ -256,10 +256,9 @@ def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0, na
             bare if bare.casefold() not in _BLANK_UNITS else "-" if bare in ("-", "--", "1") else None
         )
         gainsaid = one.unit not in (None, "-") and unit is not None and not _are_same(str(one.unit), unit)
-        if name and gainsaid:
+        if line and gainsaid:
             raise InputError(
                 f"the unit is {unit} here and {one.unit} in the header",
-                file=name,
                 line=line,
                 column=one.title,
                 remedy="keep one of them",
@@ -274,7 +273,7 @@ def _are_same(one: str, two: str) -> bool:
     return one == two or (is_unit(one) and is_unit(two) and parse_unit(one) == parse_unit(two))
 
 
-def understood(blocks: Sequence[Block], name: str) -> list[Block]:
+def understood(blocks: Sequence[Block]) -> list[Block]:
     """Return the tables that belong together: stacked specimens, or the long one beside its summaries.
 
     Raises InputError where several could be meant.
@@ -291,7 +290,6 @@ def understood(blocks: Sequence[Block], name: str) -> list[Block]:
     lines = " and ".join(str(block.head_line) for block in long[:4])
     raise InputError(
         f"has tables of different columns, in lines {lines}",
-        file=name,
         line=long[1].head_line,
         remedy=f"say which: --skip-rows {long[0].head_line - 1} takes the first of them alone"
         if len(long) == 1

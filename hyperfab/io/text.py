@@ -5,10 +5,10 @@ from __future__ import annotations
 from hyperfab.errors import InputError
 
 
-def decode_utf8(data: bytes, name: str) -> str:
+def decode_utf8(data: bytes) -> str:
     """Return the text of a UTF-8 file, without its byte-order mark; InputError naming the line where it is not UTF-8.
 
-    >>> decode_utf8(bytes([0xEF, 0xBB, 0xBF]) + b"{}", "a.json")
+    >>> decode_utf8(bytes([0xEF, 0xBB, 0xBF]) + b"{}")
     '{}'
     """
     try:
@@ -16,10 +16,7 @@ def decode_utf8(data: bytes, name: str) -> str:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise InputError(
-            f"is not UTF-8 text (byte 0x{data[error.start]:02X})",
-            file=name,
-            line=line,
-            remedy="save it as UTF-8",
+            f"is not UTF-8 text (byte 0x{data[error.start]:02X})", line=line, remedy="save it as UTF-8"
         ) from None
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import tomli_w
 
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.text import decode_utf8
 
 #: Levels of tables and arrays; the documents need six.
@@ -39,30 +39,8 @@ def load_toml(data: bytes, name: str) -> dict[str, Any]:
     hyperfab.errors.InputError: mold.toml, line 2: is not valid TOML: expected newline or end of document after a \
 statement (character 14); quantities stand in quotes: "60 mm"
     """
-    if len(data) > MAX_BYTES:
-        raise InputError(
-            f"is larger than {MAX_BYTES // 2**20} MiB", file=name, remedy="check that it is the right file"
-        )
-    text = decode_utf8(data, name)
-    if not text.strip():
-        raise InputError("is empty", file=name, remedy="a TOML document is expected")
-    _refuse_deep_keys(text, name)
-    try:
-        value = tomllib.loads(text, parse_float=_float)
-    except tomllib.TOMLDecodeError as error:
-        raise _syntax_error(error, name) from None
-    except _NotFinite as error:
-        raise InputError(
-            f"{error} is not a number a document can hold",
-            file=name,
-            line=_line_of(text, str(error)),
-            remedy="correct it",
-        ) from None
-    except RecursionError:
-        raise InputError(f"is nested deeper than {MAX_DEPTH} levels", file=name, remedy="no document is") from None
-    except ValueError as error:  # dates that are none, integers of thousands of digits
-        raise InputError(f"is not valid TOML: {error}", file=name, remedy="correct the value") from None
-    _check_values(value, name)
+    with placed(name):
+        value = _read(data)
     return value
 
 
@@ -78,6 +56,29 @@ def dump_toml(document: Mapping[str, Any]) -> bytes:
     return tomli_w.dumps(document).encode("utf-8")
 
 
+def _read(data: bytes) -> dict[str, Any]:
+    if len(data) > MAX_BYTES:
+        raise InputError(f"is larger than {MAX_BYTES // 2**20} MiB", remedy="check that it is the right file")
+    text = decode_utf8(data)
+    if not text.strip():
+        raise InputError("is empty", remedy="a TOML document is expected")
+    _refuse_deep_keys(text)
+    try:
+        value = tomllib.loads(text, parse_float=_float)
+    except tomllib.TOMLDecodeError as error:
+        raise _syntax_error(error) from None
+    except _NotFinite as error:
+        raise InputError(
+            f"{error} is not a number a document can hold", line=_line_of(text, str(error)), remedy="correct it"
+        ) from None
+    except RecursionError:
+        raise InputError(f"is nested deeper than {MAX_DEPTH} levels", remedy="no document is") from None
+    except ValueError as error:  # dates that are none, integers of thousands of digits
+        raise InputError(f"is not valid TOML: {error}", remedy="correct the value") from None
+    _check_values(value)
+    return value
+
+
 def _float(token: str) -> float:
     value = float(token)
     if not math.isfinite(value):
@@ -85,36 +86,29 @@ def _float(token: str) -> float:
     return value
 
 
-def _refuse_deep_keys(text: str, name: str) -> None:
+def _refuse_deep_keys(text: str) -> None:
     """Refuse a.b.c... without end before parsing: the parser's time grows with the square of such a key."""
     for number, line in enumerate(text.splitlines(), 1):
         if line.count(".") >= MAX_DEPTH and _DEEP_KEY.match(line.lstrip(" \t[")):
-            raise InputError(
-                f"a key is nested deeper than {MAX_DEPTH} levels",
-                file=name,
-                line=number,
-                remedy="no document is",
-            )
+            raise InputError(f"a key is nested deeper than {MAX_DEPTH} levels", line=number, remedy="no document is")
 
 
-def _check_values(root: dict[str, Any], name: str) -> None:
+def _check_values(root: dict[str, Any]) -> None:
     """Walk without recursion: depth, and integers that no double can hold."""
     todo: list[tuple[Any, str, int]] = [(root, "", 0)]
     while todo:
         value, path, depth = todo.pop()
         if depth > MAX_DEPTH:
-            raise InputError(
-                f"is nested deeper than {MAX_DEPTH} levels", file=name, key=path[:80], remedy="no document is"
-            )
+            raise InputError(f"is nested deeper than {MAX_DEPTH} levels", key=path[:80], remedy="no document is")
         if isinstance(value, dict):
             todo += [(item, f"{path}.{key}" if path else key, depth + 1) for key, item in value.items()]
         elif isinstance(value, list):
             todo += [(item, f"{path}.{index}", depth + 1) for index, item in enumerate(value)]
         elif isinstance(value, int) and abs(value) >= 2**63:
-            raise InputError("is an integer beyond 64 bits", file=name, key=path, remedy="correct the number")
+            raise InputError("is an integer beyond 64 bits", key=path, remedy="correct the number")
 
 
-def _syntax_error(error: tomllib.TOMLDecodeError, name: str) -> InputError:
+def _syntax_error(error: tomllib.TOMLDecodeError) -> InputError:
     text = str(error)
     place = re.search(r" \(at line (\d+), column (\d+)\)$", text)
     message = text[: place.start()] if place else text.removesuffix(" (at end of document)")
@@ -124,10 +118,8 @@ def _syntax_error(error: tomllib.TOMLDecodeError, name: str) -> InputError:
     if twice:
         hint = f"write it once, or each under [[{twice[1]}]], in two brackets, where several may stand"
     if place is None:
-        return InputError(f"is not valid TOML: {message} (at its end)", file=name, remedy="is the file whole?")
-    return InputError(
-        f"is not valid TOML: {message} (character {place[2]})", file=name, line=int(place[1]), remedy=hint
-    )
+        return InputError(f"is not valid TOML: {message} (at its end)", remedy="is the file whole?")
+    return InputError(f"is not valid TOML: {message} (character {place[2]})", line=int(place[1]), remedy=hint)
 
 
 def _line_of(text: str, token: str) -> int | None:

@@ -51,16 +51,15 @@ def is_workbook(data: bytes) -> bool:
         return True  # said by worksheets
 
 
-def worksheets(data: bytes, name: str, picked: str | None) -> list[tuple[str, list[Row]]]:
+def worksheets(data: bytes, picked: str | None) -> list[tuple[str, list[Row]]]:
     """Return the visible sheets of a workbook, or the one called ``picked``: its title, its rows of cells as text.
 
     Numbers stand as they are stored, to the digit; percentages with their sign, dates in ISO form, errors by their name
     (#DIV/0!). InputError where the workbook is broken, has macros, or has no such sheet.
     """
-    book = split_sheet(name)[0]
     try:
         with zipfile.ZipFile(BytesIO(data)) as archive:
-            return list(_sheets(_Parts(archive, book), book, picked))
+            return list(_sheets(_Parts(archive), picked))
     except (
         zipfile.BadZipFile,
         zipfile.LargeZipFile,
@@ -74,20 +73,18 @@ def worksheets(data: bytes, name: str, picked: str | None) -> list[tuple[str, li
         OverflowError,
     ) as error:
         raise InputError(
-            f"is no Excel workbook that can be read ({error})",
-            file=book,
-            remedy="save it again as .xlsx, or as CSV",
+            f"is no Excel workbook that can be read ({error})", remedy="save it again as .xlsx, or as CSV"
         ) from None
 
 
 class _Parts:
     """The parts of an archive, unpacked with a bound."""
 
-    def __init__(self, archive: zipfile.ZipFile, book: str) -> None:
-        self._archive, self._book, self._left = archive, book, MAX_UNPACKED
+    def __init__(self, archive: zipfile.ZipFile) -> None:
+        self._archive, self._left = archive, MAX_UNPACKED
         names = archive.namelist()
         if any("vbaproject" in part.lower() for part in names) or b"macroEnabled" in self.read("[Content_Types].xml"):
-            raise InputError("is a workbook with macros (.xlsm)", file=book, remedy="save it as .xlsx or CSV")
+            raise InputError("is a workbook with macros (.xlsm)", remedy="save it as .xlsx or CSV")
         self.names = set(names)
 
     def read(self, part: str) -> bytes:
@@ -95,15 +92,11 @@ class _Parts:
             found = stream.read(self._left + 1)
         self._left -= len(found)
         if self._left < 0:
-            raise InputError(
-                f"unpacks to more than {MAX_UNPACKED // 2**20} MiB",
-                file=self._book,
-                remedy="thin the recording out",
-            )
+            raise InputError(f"unpacks to more than {MAX_UNPACKED // 2**20} MiB", remedy="thin the recording out")
         return found
 
 
-def _sheets(parts: _Parts, book: str, picked: str | None) -> Iterator[tuple[str, list[Row]]]:
+def _sheets(parts: _Parts, picked: str | None) -> Iterator[tuple[str, list[Row]]]:
     titles: list[tuple[str, str, bool]] = []
     epoch = datetime(1899, 12, 30)
 
@@ -130,14 +123,12 @@ def _sheets(parts: _Parts, book: str, picked: str | None) -> Iterator[tuple[str,
     if not wanted:
         there = ", ".join(title for title, _, _ in titles[:8])
         raise InputError(
-            f"has no sheet {picked}" if picked else "has no sheet that is not hidden",
-            file=book,
-            remedy=f"there is {there}",
+            f"has no sheet {picked}" if picked else "has no sheet that is not hidden", remedy=f"there is {there}"
         )
     for title, link, _ in wanted:
         part = targets.get(link, "")
         if part in parts.names and "worksheet" in part:
-            yield title, _rows(parts.read(part), strings, formats, epoch, book)
+            yield title, _rows(parts.read(part), strings, formats, epoch)
 
 
 def _parse(data: bytes, start: Any, end: Any = None, text: Any = None) -> None:
@@ -212,7 +203,7 @@ def _kind(style: str, code: str | None) -> str:
     return "date" if re.search(r"[ymdhs]", bare, re.IGNORECASE) and "General" not in bare else ""
 
 
-def _rows(data: bytes, strings: list[str], formats: list[str], epoch: datetime, book: str) -> list[Row]:
+def _rows(data: bytes, strings: list[str], formats: list[str], epoch: datetime) -> list[Row]:
     found: list[Row] = []
     count = 0
     cells: list[str] = []
@@ -261,7 +252,7 @@ def _rows(data: bytes, strings: list[str], formats: list[str], epoch: datetime, 
             count += len(cells)
             found.append((state["row"], cells))
             if len(found) > MAX_ROWS or count > 4 * MAX_CELLS:
-                raise InputError(f"has more than {MAX_ROWS} rows", file=book, remedy="thin the recording out")
+                raise InputError(f"has more than {MAX_ROWS} rows", remedy="thin the recording out")
 
     def text(part: str) -> None:
         if state["in"]:

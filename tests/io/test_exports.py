@@ -369,7 +369,7 @@ def test_a_gauge_length_and_another_distance_of_the_grips_are_no_guess() -> None
     ],
 )
 def test_code_pages_are_told_by_their_words(page: str, text: str) -> None:
-    assert decode(text.encode(page), "a.csv") == text
+    assert decode(text.encode(page)) == text
 
 
 def test_a_title_on_the_command_line_tells_the_code_page() -> None:
