@@ -58,20 +58,29 @@ class InputError(HyperfabError):
 
 
 @contextlib.contextmanager
-def placed(file: str, key: str | None = None, *, line: int | None = None, column: str | None = None) -> Iterator[None]:
-    """Give errors of readers and of the physics, which know no files, their place: of it what they do not name."""
+def placed(file: str, key: str | None = None, remedy: str | None = None) -> Iterator[None]:
+    """Give errors of readers and of the physics, which know no files, their place.
+
+    Where a ``remedy`` is given, a ValueError too becomes an error of the file, with that way out.
+    """
     try:
         yield
     except InputError as error:
+        if error.file is not None:
+            raise
         raise InputError(
             error.message,
-            file=error.file or file,
-            line=error.line or line,
-            column=error.column or column,
+            file=file,
+            line=error.line,
+            column=error.column,
             key=error.key or key,
             facet=error.facet,
             remedy=error.remedy,
         ) from None
+    except ValueError as error:
+        if remedy is None:
+            raise
+        raise InputError(str(error), file=file, key=key, remedy=remedy) from None
 
 
 def _shown(name: str) -> str:

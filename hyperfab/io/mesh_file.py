@@ -68,9 +68,13 @@ def _edges(cells: list) -> Ints:
         if corners:
             face = np.asarray(block.data, np.int64)[:, :corners]
             sides += [face[:, [k, (k + 1) % corners]] for k in range(corners)]
-    if not sides:
-        lines = [np.asarray(block.data, np.int64)[:, :2] for block in cells if block.type in _LINES]
-        return np.concatenate(lines) if lines else np.empty((0, 2), np.int64)
-    every = np.concatenate(sides)
-    _, inverse, count = np.unique(np.sort(every, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return every[count[inverse.ravel()] == 1]
+    if sides:
+        return lonely(np.concatenate(sides))
+    lines = [np.asarray(block.data, np.int64)[:, :2] for block in cells if block.type in _LINES]
+    return np.concatenate(lines) if lines else np.empty((0, 2), np.int64)
+
+
+def lonely(sides: Ints) -> Ints:
+    """Return the sides (k, 2) of faces that are those of exactly one."""
+    _, inverse, count = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
+    return np.asarray(sides[count[inverse.ravel()] == 1])

@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import SpringLaw, piecewise_linear
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.text import number_of_rows
@@ -70,10 +70,8 @@ def read_curve(job: Job, option: str, name: str, direction: float, thickness: fl
     for reason, count in sorted(dropped.items()):
         if count:
             job.console.note(f"{name}: {number_of_rows(count)} left out: {reason}")
-    try:
+    with placed(name, remedy="give a uniaxial test in tension"):
         law = piecewise_linear(stretch, level)
-    except ValueError as error:
-        raise InputError(str(error), file=name, remedy="give a uniaxial test in tension") from None
     if level[1] <= 0.0:
         raise InputError(
             "the stress does not rise from zero at the first readings",

@@ -16,7 +16,7 @@ from hyperfab.chapters.sheet import sheet_of
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.documents.drape import SpringUse
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.materials.orthotropic.specimen import Along
 
 #: What a law straight from a test is called.
@@ -138,7 +138,9 @@ def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
         key = f"directions.{direction}.parameters" if own else "parameters"
         law: Pulled = Along(whole, angle) if whole is not None else read.material(direction if own else None)
         known = document.tested_stretch(direction, "uniaxial")
-        ways.append(Way(document.model, _law(law, name, key), name, None if known is None else known[1]))
+        with placed(name, key, "fit the fabric again with --stable"):
+            spring = spring_law(law)
+        ways.append(Way(document.model, spring, name, None if known is None else known[1]))
     return Fabric(
         (ways[0], ways[1]),
         document.thickness_mm or 0.0,
@@ -146,13 +148,6 @@ def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
         read.held_at,
         sheet_of(read) if case.sheet == "membrane" else None,
     )
-
-
-def _law(material: Pulled, name: str, key: str) -> SpringLaw:
-    try:
-        return spring_law(material)
-    except ValueError as error:
-        raise InputError(str(error), file=name, key=key, remedy="fit the fabric again with --stable") from None
 
 
 def use_of(fabric: Fabric, stretch_warp: Array, stretch_weft: Array) -> tuple[SpringUse, SpringUse]:

@@ -34,7 +34,7 @@ from hyperfab.cloth.net import FIXED, X, Y, Z
 from hyperfab.cloth.relaxation import relax
 from hyperfab.cloth.shear import linear_shear, shear_of_bias
 from hyperfab.cloth.start import lowered
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.stl import SIZE_RANGE
 
 #: A mold so many times larger or smaller than the sheet is none of it.
@@ -179,12 +179,9 @@ def _shear(case: DrapeCase, files: Files) -> SpringLaw | None:
     """Law of the angle between the threads: of a modulus, or such that the net answers the bias test as measured."""
     if files.bias is None or case.shear_law is None:
         return None if case.shear_modulus is None else linear_shear(case.shear_modulus)
-    try:
-        return shear_of_bias(files.bias.law, files.fabric.warp, files.fabric.weft, files.bias.tested)
-    except ValueError as error:
-        raise InputError(
-            str(error), file=case.shear_law, remedy="is it of this fabric, and cut at 45 degrees to the warp?"
-        ) from None
+    with placed(case.shear_law, remedy="is it of this fabric, and cut at 45 degrees to the warp?"):
+        law = shear_of_bias(files.bias.law, files.fabric.warp, files.fabric.weft, files.bias.tested)
+    return law
 
 
 def _holder(case: DrapeCase) -> tuple[float, float, float, float]:

@@ -9,9 +9,9 @@ import numpy as np
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.molds import read_mesh
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.csv_table import read_table
-from hyperfab.io.mesh_file import SUFFIXES, read_mesh_file
+from hyperfab.io.mesh_file import SUFFIXES, lonely, read_mesh_file
 from hyperfab.io.units import column_factor
 from hyperfab.membrane.outline import Polygon, crossing_sides, signed_area
 
@@ -34,43 +34,37 @@ def read_outline(job: Job, name: str, unit: str, size: float | None) -> Polygon:
     crosses itself; UsageError for a kind of file that is not understood.
     """
     suffix = os.path.splitext(name)[1].lower()
-    if suffix in _TABLES:
-        table = read_table(job.inputs.read(name), name, {"x": "length", "y": "length"})
-        loop = np.column_stack([table["x"], table["y"]])
-    elif suffix == ".stl":
-        mesh = read_mesh(job.inputs, name, unit, job.console.warn)
-        loop = _loop(_flat(mesh.vertices, name), _lonely(mesh.faces), name)
-    elif suffix in SUFFIXES:
-        found = read_mesh_file(job.inputs.read(name), name)
-        used = np.unique(found.edges)
-        flat = np.zeros((len(found.points), 2))
-        flat[used] = _flat(found.points[used] * float(column_factor(unit, "length")[0]), name)
-        loop = _loop(flat, found.edges, name)
-    else:
+    if suffix not in (*_TABLES, ".stl", *SUFFIXES):
         raise UsageError(f"--shape {name}: disc, square, or a file of STL, CSV (x, y) or {', '.join(SUFFIXES)}")
-    return _checked(loop, name, size)
+    with placed(name):
+        if suffix in _TABLES:
+            table = read_table(job.inputs.read(name), name, {"x": "length", "y": "length"})
+            loop = np.column_stack([table["x"], table["y"]])
+        elif suffix == ".stl":
+            mesh = read_mesh(job.inputs, name, unit, job.console.warn)
+            loop = _loop(_flat(mesh.vertices), lonely(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)))
+        else:
+            found = read_mesh_file(job.inputs.read(name), name)
+            used = np.unique(found.edges)
+            flat = np.zeros((len(found.points), 2))
+            flat[used] = _flat(found.points[used] * float(column_factor(unit, "length")[0]))
+            loop = _loop(flat, found.edges)
+        outline = _checked(loop, size)
+    return outline
 
 
-def _flat(points: Array, name: str) -> Array:
+def _flat(points: Array) -> Array:
     """Return the x and y of points that lie in a plane of equal z."""
     extent = np.ptp(points, axis=0)
     if extent[2] > _FLAT * extent.max():
         raise InputError(
             f"is not flat: z runs over {extent[2]:.4g} mm",
-            file=name,
             remedy="a sheet in a plane of equal z is meant; cut it, or turn it so that z is its normal",
         )
     return points[:, :2]
 
 
-def _lonely(faces: Ints) -> Ints:
-    """Return the edges (k, 2) of exactly one face."""
-    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    _, inverse, count = np.unique(np.sort(sides, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return np.asarray(sides[count[inverse.ravel()] == 1])
-
-
-def _loop(points: Array, edges: Ints, name: str) -> Array:
+def _loop(points: Array, edges: Ints) -> Array:
     """Join edges (k, 2) to one closed loop of points (k, 2)."""
     used, ends = np.unique(edges, return_inverse=True)
     ends = ends.reshape(-1, 2)
@@ -81,7 +75,6 @@ def _loop(points: Array, edges: Ints, name: str) -> Array:
             "has no closed edge: a surface without holes is closed all round"
             if not len(edges)
             else f"has an edge that is open or branches, at ({open_at[0]:.4g}, {open_at[1]:.4g}) mm",
-            file=name,
             remedy="one flat surface with one closed edge, or one closed line, is meant",
         )
     order = np.argsort(ends.ravel(), kind="stable").reshape(-1, 2) // 2
@@ -94,14 +87,12 @@ def _loop(points: Array, edges: Ints, name: str) -> Array:
             break
     if len(walked) < len(used):
         raise InputError(
-            "has more than one closed edge: holes, or several sheets",
-            file=name,
-            remedy="one sheet without holes is meant",
+            "has more than one closed edge: holes, or several sheets", remedy="one sheet without holes is meant"
         )
     return points[used[walked]]
 
 
-def _checked(loop: Array, name: str, size: float | None) -> Polygon:
+def _checked(loop: Array, size: float | None) -> Polygon:
     """Return a simple loop, anticlockwise, its middle at the origin."""
     extent = float(np.ptp(loop, axis=0).max()) if len(loop) else 0.0
     away = np.linalg.norm(loop - np.roll(loop, 1, axis=0), axis=1)
@@ -109,16 +100,13 @@ def _checked(loop: Array, name: str, size: float | None) -> Polygon:
     loop = loop[~_between(loop)] if len(loop) > 3 else loop
     crossing = crossing_sides(loop) if 3 < len(loop) <= _MOST_POINTS else None
     if crossing is None and (len(loop) < 3 or abs(signed_area(loop)) < _FLAT * extent**2):
-        raise InputError("has no area", file=name, remedy="at least three points around the sheet are meant")
+        raise InputError("has no area", remedy="at least three points around the sheet are meant")
     if len(loop) > _MOST_POINTS:
-        raise InputError(
-            f"has {len(loop)} points around it, more than {_MOST_POINTS}", file=name, remedy="thin them out"
-        )
+        raise InputError(f"has {len(loop)} points around it, more than {_MOST_POINTS}", remedy="thin them out")
     if crossing is not None:
         at = loop[crossing[0]]
         raise InputError(
             f"crosses itself, near ({at[0]:.4g}, {at[1]:.4g}) mm",
-            file=name,
             remedy="list the points in their order around the sheet",
         )
     if signed_area(loop) < 0.0:
@@ -130,7 +118,6 @@ def _checked(loop: Array, name: str, size: float | None) -> Polygon:
     if found.reach <= 0.0:
         raise InputError(
             "does not hold the place where the punch touches, the middle of its box",
-            file=name,
             remedy="a sheet that covers its middle is meant",
         )
     return found

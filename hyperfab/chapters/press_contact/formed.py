@@ -13,7 +13,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.foam import ArrheniusSet, FoamDocument, MeasuredSet
 from hyperfab.documents.press import FormedPart, SetPart, WantedPart
 from hyperfab.documents.quantity import TableFile
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import Table as Rows
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
@@ -65,10 +65,8 @@ def read_setting(job: Job, name: str, document: FoamDocument) -> Setting | None:
     if isinstance(given, MeasuredSet):
         path = Inputs.beside(name, given.measured)
         rows, strain, share = _tests(job, path, document)
-        try:
+        with placed(path, remedy='add tests, or give set = { table = "..." }'):
             law, rms = identified(rows["temperature"], rows["dwell"], share)
-        except ValueError as error:
-            raise InputError(str(error), file=path, remedy='add tests, or give set = { table = "..." }') from None
         known = rows["temperature"], rows["dwell"], strain
         return Setting(law, "arrhenius", path, rms, known)
     if isinstance(given, TableFile):

@@ -19,7 +19,7 @@ from hyperfab.documents.foam import (
     TableLaw,
 )
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.csv_table import read_table
 from hyperfab.io.inputs import Inputs
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
@@ -103,12 +103,8 @@ def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray
     """
     given = document.poisson.foam
     ratio = USUAL_POISSON if given is None and law.free is None else given
-    try:
+    with placed(name, "compression", "give poisson = 0.3, the foam's Poisson's ratio"):
         found = law.thinning(1.0 / fabric, ratio)
-    except ValueError as error:
-        raise InputError(
-            str(error), file=name, key="compression", remedy="give poisson = 0.3, the foam's Poisson's ratio"
-        ) from None
     if ratio is None:
         return found, "plane stress of the foam's law"
     return (
