@@ -58,7 +58,7 @@ class InputError(HyperfabError):
 
 
 @contextlib.contextmanager
-def placed(file: str, key: str | None = None, remedy: str | None = None) -> Iterator[None]:
+def placed(file: str | None = None, key: str | None = None, remedy: str | None = None) -> Iterator[None]:
     """Give errors of readers and of the physics, which know no files, their place.
 
     Where a ``remedy`` is given, a ValueError too becomes an error of the file, with that way out.

@@ -23,14 +23,13 @@ from hyperfab.thermal.tables import Table
 
 @dataclass(eq=False)
 class Placing:
-    """Places the conditions of ``document`` (file ``name``) on ``faces``.
+    """Places the conditions of ``document`` on ``faces``.
 
     ``joints`` are the interfaces of its contacts, ``functions`` its tables by key. ``areas`` collects the area each
     condition acts on [mm^2], ``notes`` what is to be told of where conditions act.
     """
 
     document: MoldDocument
-    name: str
     faces: Faces
     joints: Sequence[FaceSet]
     functions: Mapping[str, Table]
@@ -81,10 +80,7 @@ class Placing:
                     facets = FaceSet(facets.name, facets.mask & outer, facets.flip)
                     if not facets.mask.any():
                         raise InputError(
-                            "these faces are covered by another part",
-                            file=self.name,
-                            key=key,
-                            remedy="name faces that see the air",
+                            "these faces are covered by another part", key=key, remedy="name faces that see the air"
                         )
                 self._refuse_held(key, facets.mask)
                 taken[key] = facets.mask
@@ -150,7 +146,7 @@ class Placing:
         whole = np.zeros(len(self.mesh.facets.element), dtype=bool)
         flip = whole.copy()
         for place in places:
-            with placed(self.name, key):
+            with placed(key=key):
                 if isinstance(place, FacesInBox):
                     box = Box(place.box.origin, place.box.size)
                     found = self.faces.inside(place.part, box)
@@ -189,7 +185,6 @@ class Placing:
             if not self.exposed.any():
                 raise InputError(
                     "no exposed face is left: all have another condition",
-                    file=self.name,
                     key=key,
                     remedy="take the table out, or name its faces",
                 )
@@ -209,7 +204,6 @@ class Placing:
                     area = float(self.faces.areas[mask & earlier].sum()) * 1e6
                     raise InputError(
                         f"acts on {area:.6g} mm^2 that {other} has already",
-                        file=self.name,
                         key=key,
                         remedy="each face takes one condition of a kind",
                     )
@@ -218,7 +212,6 @@ class Placing:
         if (mask & self.held).any():
             raise InputError(
                 "these faces have their temperature held: the two contradict each other",
-                file=self.name,
                 key=key,
                 remedy="take one of the two out",
             )
@@ -231,7 +224,6 @@ class Placing:
                 if other.startswith(("convection", "radiation")) and (mask & theirs).any():
                     raise InputError(
                         f"faces of {other} are insulated: the two contradict each other",
-                        file=self.name,
                         key=key,
                         remedy="take one of the two out",
                     )

@@ -74,8 +74,9 @@ class MoldBuilder:
         self.tables = Tables(inputs, name)
         self.doubts: list[str] = []
         self.corners: set[float] = set()
-        refuse_exposed(document, name)
-        refuse_unknown_names(document, name)
+        with placed(name):
+            refuse_exposed(document)
+            refuse_unknown_names(document)
         self.materials = {key: self._material(key) for key in document.material}
         self.functions = self._read_functions()
         self.geometry = geometry_of(document, name, inputs, stl_unit, self.doubts)
@@ -102,6 +103,11 @@ class MoldBuilder:
 
         While the mesher works ``waiting`` is called, and ``say`` with what the mold is as a whole.
         """
+        with placed(self.name):
+            problem = self._build(waiting, say)
+        return problem
+
+    def _build(self, waiting: Callable[[float], None], say: Callable[[str], None]) -> Problem:
         document = self.document
         notes: list[str] = []
         if self.meshed is None:
@@ -121,11 +127,11 @@ class MoldBuilder:
         joints = []
         split = np.zeros(len(mesh.facets.element), dtype=bool)
         for number, contact in enumerate(document.contact):
-            with placed(self.name, f"contact.{number}.between"):
+            with placed(key=f"contact.{number}.between"):
                 joints.append(faces.interface(*contact.between))
             split |= joints[-1].mask
         mesh = split_contacts(mesh, split)
-        placing = Placing(document, self.name, Faces(mesh, geometry), joints, self.functions)
+        placing = Placing(document, Faces(mesh, geometry), joints, self.functions)
         laid = pieces_of(document, placing)
         if laid is not None:
             mesh = placing.mesh = laid[0]
@@ -236,7 +242,6 @@ class MoldBuilder:
             if np.isin(nodes, others).any():
                 raise InputError(
                     f"{name!r} also touches a part without a [[contact]], so it cannot come fresh",
-                    file=self.name,
                     key=f"contact.{number}.fresh",
                     remedy="give each of its joints a [[contact]]",
                 )
@@ -317,7 +322,6 @@ class MoldBuilder:
                 place = ", ".join(f"{x:g}" for x in probe.at)
                 raise InputError(
                     f"probe {probe.name!r} at ({place}) mm is in no part",
-                    file=self.name,
                     key=f"probe.{number}.at",
                     remedy="move it into a part",
                 )

@@ -106,7 +106,6 @@ def pieces_of(
     if not placing.mesh.facets.outer[found.mask].all():
         raise InputError(
             "pieces lie on outer faces; these are covered by another part",
-            file=placing.name,
             key=key,
             remedy="name faces that see the air",
         )

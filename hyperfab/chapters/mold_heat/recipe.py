@@ -24,7 +24,7 @@ from hyperfab.console import Advance
 from hyperfab.documents.heat import Design, HeatDocument, RunPart
 from hyperfab.documents.mold import EarlierField, MoldDocument
 from hyperfab.documents.uncertainty import figures_of
-from hyperfab.errors import InputError, NotConverged
+from hyperfab.errors import InputError, NotConverged, placed
 from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.design import scale_for_warmup, scaled, share_power
 from hyperfab.thermal.history import History, Ledger, Target
@@ -50,7 +50,8 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
         job.target,
         (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".pieces.csv", ".png", ".pvd"),
     )
-    check(case, document)
+    with placed(mold):
+        check(case, document)
     asked = None if case.variations is None else read_variations(job.inputs, case.variations, document, mold)
     builder = MoldBuilder(document, mold, job.inputs, case.stl_unit)
     out.refuse_inputs(job.inputs)
@@ -75,9 +76,11 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
         def warmup() -> float | None:
             return heated(document, problem, start, advance).reached_time
 
-        chosen = design(case, document, problem, start, warmup)
-        if document.run.steady:
-            history = _steady(mold, problem, start)
+        with placed(mold):
+            chosen = design(case, document, problem, start, warmup)
+            steady = _steady(problem, start) if document.run.steady else None
+        if steady is not None:
+            history = steady
             result = steady_document(problem, history)
         else:
             history = heated(document, problem, start, advance)
@@ -203,14 +206,13 @@ def heated(document: MoldDocument, problem: Problem, start: Array, advance: Adva
     return history
 
 
-def _steady(name: str, problem: Problem, start: Array) -> History:
+def _steady(problem: Problem, start: Array) -> History:
     model = problem.model
     lost = without_route(model)
     if lost is not None:
         x, y, z = 1e3 * problem.mesh.points[lost]
         raise InputError(
             f"there is no steady state: the part around ({x:.0f}, {y:.0f}, {z:.0f}) mm has no route for the heat out",
-            file=name,
             key="run.steady",
             remedy="add convection, radiation or a held temperature to it",
         )
@@ -222,7 +224,6 @@ def _steady(name: str, problem: Problem, start: Array) -> History:
             raise InputError(
                 f"there is no steady state: {thermostat.heater.name}, always on, would bring its thermostat's probe to "
                 f"{dot(thermostat.sensor, temperature):.6g} degC, and it switches off at {thermostat.threshold:g}",
-                file=name,
                 key="run.steady",
                 remedy='take the control out, or give until = "3600 s" in place of steady',
             )
@@ -301,32 +302,22 @@ def check(case: MoldCase, document: MoldDocument) -> None:
     if document.production is not None and (case.share_power or case.warmup_in is not None):
         raise InputError(
             "the powers are chosen for the warm-up, before the first piece",
-            file=case.mold,
             key="production",
             remedy='choose them without it, then start = { document = "heat.json" } here',
         )
     if not document.heater and (case.share_power or case.warmup_in is not None):
-        raise InputError("has no heater whose power could be chosen", file=case.mold, key="heater")
+        raise InputError("has no heater whose power could be chosen", key="heater")
     if case.warmup_in is not None and (document.run.target is None or document.run.steady):
         raise InputError(
             "--warmup-in needs the temperature to reach",
-            file=case.mold,
             key="run.target",
             remedy='add target = "200 degC" to [run], without steady',
         )
     if case.share_power and document.work_surface is None:
-        raise InputError(
-            "--share-power needs the surface to make even",
-            file=case.mold,
-            key="work_surface",
-            remedy="add it",
-        )
+        raise InputError("--share-power needs the surface to make even", key="work_surface", remedy="add it")
     if case.share_power and any(h.schedule is not None or h.control is not None for h in document.heater):
         raise InputError(
-            "--share-power is for heaters of constant power",
-            file=case.mold,
-            key="heater",
-            remedy="take schedule and control out",
+            "--share-power is for heaters of constant power", key="heater", remedy="take schedule and control out"
         )
 
 
@@ -347,7 +338,6 @@ def design(
         if without_route(problem.model) is not None:
             raise InputError(
                 "--share-power works on the steady state, and a part has no route for the heat out",
-                file=case.mold,
                 key="convection",
                 remedy="add convection, radiation or a held temperature",
             )
@@ -368,7 +358,7 @@ def design(
             scale(factor)
             return warmup()
 
-        _refuse_hot(case, document, problem, start)
+        _refuse_hot(document, problem, start)
         result.warmup_wanted_s = case.warmup_in
         result.power_factor, result.runs = scale_for_warmup(case.warmup_in, time)
         scale(result.power_factor)
@@ -383,7 +373,7 @@ def design(
     return result
 
 
-def _refuse_hot(case: MoldCase, document: MoldDocument, problem: Problem, start: Array) -> None:
+def _refuse_hot(document: MoldDocument, problem: Problem, start: Array) -> None:
     """Refuse to choose powers for a warm-up that is over as it begins."""
     target, surface = document.run.target, problem.work_surface
     assert target is not None  # ``check`` saw to it,
@@ -392,7 +382,6 @@ def _refuse_hot(case: MoldCase, document: MoldDocument, problem: Problem, start:
     if begins >= target:
         raise InputError(
             f"--warmup-in: the work surface begins at {begins:.6g} degC, and the target is {target:g} degC",
-            file=case.mold,
             key="run.start",
             remedy="begin below the target, or leave --warmup-in out",
         )

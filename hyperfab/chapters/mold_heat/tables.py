@@ -80,32 +80,31 @@ EXPOSED = "exposed"
 WAYS = ("x-", "x+", "y-", "y+", "z-", "z+", "all")
 
 
-def refuse_unknown_names(document: MoldDocument, file: str) -> None:
-    """Raise InputError with the nearest names where a place names no body of the document ``file``."""
+def refuse_unknown_names(document: MoldDocument) -> None:
+    """Raise InputError with the nearest names where a place names no body of the document."""
     known = document.names()
     parts = [part.name for part in document.part]
     for key, place in document.places():
         if isinstance(place, FacesInBox):
-            _known(file, key, place.part, parts, "part")
+            _known(key, place.part, parts, "part")
         elif place != EXPOSED:
             body, _, way = place.rpartition(".")
             if not body or way not in WAYS:
                 raise InputError(
                     f"{place!r} names no face",
-                    file=file,
                     key=key,
                     remedy=f"write NAME.WAY, as {known[0]}.z+, with WAY one of {' '.join(WAYS)}",
                 )
-            _known(file, key, body, known, "body", f".{way}")
+            _known(key, body, known, "body", f".{way}")
     for number, heater in enumerate(document.heater):
         if heater.volume is not None:
-            _known(file, f"heater.{number}.volume", heater.volume, parts, "part")
+            _known(f"heater.{number}.volume", heater.volume, parts, "part")
     for number, contact in enumerate(document.contact):
         for part in contact.between:
-            _known(file, f"contact.{number}.between", part, parts, "part")
+            _known(f"contact.{number}.between", part, parts, "part")
 
 
-def refuse_exposed(document: MoldDocument, file: str) -> None:
+def refuse_exposed(document: MoldDocument) -> None:
     """Raise InputError where ``exposed`` stands for anything but one film and one radiation."""
     seen: dict[str, str] = {}
     for key, place in document.places():
@@ -113,29 +112,18 @@ def refuse_exposed(document: MoldDocument, file: str) -> None:
         if place != EXPOSED:
             continue
         if kind not in ("convection", "radiation"):
-            raise InputError(
-                "exposed is where convection and radiation act",
-                file=file,
-                key=key,
-                remedy="name the faces",
-            )
+            raise InputError("exposed is where convection and radiation act", key=key, remedy="name the faces")
         if kind in seen:
             raise InputError(
                 f"exposed has a {kind} already, {seen[kind]}",
-                file=file,
                 key=key,
                 remedy="take one of the two out, or name its faces",
             )
         seen[kind] = key
 
 
-def _known(file: str, key: str, name: str, known: list[str], what: str, tail: str = "") -> None:
+def _known(key: str, name: str, known: list[str], what: str, tail: str = "") -> None:
     if name not in known:
         near = difflib.get_close_matches(name, known, 4, 0.4) or known[:8]
         offered = ", ".join(other + tail for other in near)
-        raise InputError(
-            f"there is no {what} {name!r}",
-            file=file,
-            key=key,
-            remedy=f"the nearest names are {offered}",
-        )
+        raise InputError(f"there is no {what} {name!r}", key=key, remedy=f"the nearest names are {offered}")
