@@ -61,7 +61,7 @@ class InputError(HyperfabError):
 def placed(file: str | None = None, key: str | None = None, remedy: str | None = None) -> Iterator[None]:
     """Give errors of readers and of the physics, which know no files, their place.
 
-    Where a ``remedy`` is given, a ValueError too becomes an error of the file, with that way out.
+    A ``remedy`` is that of errors without one; where it is given, a ValueError too becomes an error of the file.
     """
     try:
         yield
@@ -75,7 +75,7 @@ def placed(file: str | None = None, key: str | None = None, remedy: str | None =
             column=error.column,
             key=error.key or key,
             facet=error.facet,
-            remedy=error.remedy,
+            remedy=error.remedy or remedy,
         ) from None
     except ValueError as error:
         if remedy is None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.documents.study import AxisSection, Number, SamplingSection, StudyDocument, Value
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.units import is_unit
 
 #: A number, and what may be its unit: 20x30 has none.
@@ -67,11 +67,11 @@ class Layout:
         names = [name for name, section in study.axis.items() if section.drawn]
         quantiles = _quantiles(sampling, len(names)) if sampling is not None else np.empty((1, 0))
         for name, section in study.axis.items():
-            place = f"axis.{name}"
-            if section.drawn:
-                self.drawn.append(_draw(name, section, quantiles[:, names.index(name)], file, place))
-            else:
-                self.listed.append(_list(name, section, file, place))
+            with placed(file, f"axis.{name}"):
+                if section.drawn:
+                    self.drawn.append(_draw(name, section, quantiles[:, names.index(name)]))
+                else:
+                    self.listed.append(_list(name, section))
         self.order = list(study.axis)
 
     @property
@@ -92,7 +92,7 @@ class Layout:
         return {name: found[name] for name in self.order}
 
 
-def _list(name: str, section: AxisSection, file: str, place: str) -> Axis:
+def _list(name: str, section: AxisSection) -> Axis:
     span = section.range or section.log_range
     if span is None:
         levels = [_level(value) for value in section.values or []]
@@ -100,47 +100,45 @@ def _list(name: str, section: AxisSection, file: str, place: str) -> Axis:
         if len(units) > 1:
             raise InputError(
                 f"mixes units: {', '.join(sorted(repr(unit) for unit in units))}",
-                file=file,
-                key=place,
                 remedy="write all values of an axis in one unit",
             )
         found = tuple(level for level, _ in levels)
         if len({level.value for level in found}) < len(found):
-            raise InputError("a value stands twice", file=file, key=place, remedy="keep one of them")
+            raise InputError("a value stands twice", remedy="keep one of them")
         return Axis(name, units.pop(), found, drawn=False)
-    (first, last), unit = _numbers((span.first, span.last), file, place)
+    (first, last), unit = _numbers((span.first, span.last))
     if section.log_range is not None:
-        _positive((first, last), file, place)
+        _positive((first, last))
         values = np.geomspace(first, last, span.count)
     else:
         values = np.linspace(first, last, span.count)
     if first == last:
-        raise InputError("goes from a value to the same value", file=file, key=place, remedy="give values = [...]")
+        raise InputError("goes from a value to the same value", remedy="give values = [...]")
     return Axis(name, unit, tuple(_written(value, unit) for value in values), drawn=False)
 
 
-def _draw(name: str, section: AxisSection, quantiles: Array, file: str, place: str) -> Axis:
+def _draw(name: str, section: AxisSection, quantiles: Array) -> Axis:
     from scipy.stats import norm
 
     values: Array
     between = section.uniform or section.log_uniform
     if between is not None:
-        (first, last), unit = _numbers((between.first, between.last), file, place)
+        (first, last), unit = _numbers((between.first, between.last))
         if section.log_uniform is not None:
-            _positive((first, last), file, place)
+            _positive((first, last))
             values = np.exp(np.log(first) + quantiles * (np.log(last) - np.log(first)))
         else:
             values = first + quantiles * (last - first)
     elif section.normal is not None:
-        (mean, sd), unit = _numbers((section.normal.mean, section.normal.sd), file, place)
+        (mean, sd), unit = _numbers((section.normal.mean, section.normal.sd))
         if sd <= 0:
-            raise InputError("sd must be greater than 0", file=file, key=place, remedy="correct it")
+            raise InputError("sd must be greater than 0", remedy="correct it")
         values = mean + sd * norm.ppf(quantiles)
     else:
         law = section.lognormal
         assert law is not None  # one kind is given: the document's validator saw to it
-        (median,), unit = _numbers((law.median,), file, place)
-        _positive((median,), file, place)
+        (median,), unit = _numbers((law.median,))
+        _positive((median,))
         values = median * np.exp(math.log(law.factor) * norm.ppf(quantiles))
     return Axis(name, unit, tuple(_written(value, unit) for value in values), drawn=True)
 
@@ -170,22 +168,22 @@ def _level(value: Value) -> tuple[Level, str]:
     return Level(value.strip(), number), match[2] or ""
 
 
-def _numbers(values: Sequence[Number], file: str, place: str) -> tuple[list[float], str]:
+def _numbers(values: Sequence[Number]) -> tuple[list[float], str]:
     numbers, units = [], set()
     for value in values:
         level, unit = _level(value)
         if level.number is None:
-            raise InputError(f"{value!r} is no number", file=file, key=place, remedy='write 8 or "8 W/m^2/K"')
+            raise InputError(f"{value!r} is no number", remedy='write 8 or "8 W/m^2/K"')
         numbers.append(float(level.number))
         units.add(unit)
     if len(units) > 1:
-        raise InputError("the two ends have different units", file=file, key=place, remedy="write both in one unit")
+        raise InputError("the two ends have different units", remedy="write both in one unit")
     return numbers, units.pop()
 
 
-def _positive(values: Sequence[float], file: str, place: str) -> None:
+def _positive(values: Sequence[float]) -> None:
     if min(values) <= 0.0:
-        raise InputError("must be greater than 0 here", file=file, key=place, remedy="correct it")
+        raise InputError("must be greater than 0 here", remedy="correct it")
 
 
 def _written(value: float, unit: str) -> Level:

@@ -14,12 +14,12 @@ from typing import Any
 
 import hyperfab
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
-from hyperfab.errors import HyperfabError, InputError
+from hyperfab.errors import HyperfabError, InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout
-from hyperfab.studies.template import TemplateError, fill, names
+from hyperfab.studies.template import fill, names
 
 #: Digits of a hash that name a step or a case: 128 bits.
 DIGITS = 32
@@ -62,8 +62,9 @@ class Plan:
         self.file = file
         self.layout = Layout(study, file)
         self.files = FileKnowledge(os.path.dirname(file), inputs)
-        self._sources = {name: self._source(name, part, inputs) for name, part in study.document.items()}
-        self._uses = {step.name: self._used(step) for step in study.step}
+        with placed(file):
+            self._sources = {name: self._source(name, part, inputs) for name, part in study.document.items()}
+            self._uses = {step.name: self._used(step) for step in study.step}
 
     @property
     def axes(self) -> list[Axis]:
@@ -83,7 +84,8 @@ class Plan:
         numbers = {name: level.number for name, level in levels.items()}
         steps: dict[str, Step] = {}
         for position, section in enumerate(self.study.step):
-            steps[section.name] = self._step(position, section, texts, numbers, steps)
+            with placed(self.file):
+                steps[section.name] = self._step(position, section, texts, numbers, steps)
         key = _hash({"values": texts, "steps": [step.key for step in steps.values()]})
         return Case(key, {name: level.value for name, level in levels.items()}, tuple(steps.values()))
 
@@ -91,7 +93,9 @@ class Plan:
         """Return document ``name`` as the first case edits it, its files by absolute path."""
         levels = self.layout.case(0)
         texts = {axis: level.text for axis, level in levels.items()}
-        return self._edit(name, texts, {axis: level.number for axis, level in levels.items()})
+        with placed(self.file):
+            document = self._edit(name, texts, {axis: level.number for axis, level in levels.items()})
+        return document
 
     def _source(self, name: str, section: DocumentSection, inputs: Inputs) -> dict[str, Any]:
         path = Inputs.beside(self.file, section.source)
@@ -102,7 +106,7 @@ class Plan:
         # The edited copy lies elsewhere: what it names is named from anywhere.
         found: dict[str, Any] = map_texts(loaded, lambda text: self.files.find(text, folder) or text)
         for key in section.set:
-            targets(found, key, self.file, f"document.{name}.set")
+            targets(found, key, f"document.{name}.set")
         return found
 
     def _used(self, step: StepSection) -> tuple[list[str], list[str]]:
@@ -110,10 +114,8 @@ class Plan:
         earlier = [other.name for other in self.study.step[: self.study.step.index(step)]]
         documents, steps = [], []
         for text in step.arguments:
-            try:
+            with placed(key=f"step {step.name}.arguments"):
                 used = list(names(text))
-            except TemplateError as error:
-                raise InputError(str(error), file=self.file, key=f"step {step.name}.arguments") from None
             for name in used:
                 if name in self.study.document:
                     documents.append(name)
@@ -123,7 +125,6 @@ class Plan:
                     known = [*self.study.axis, *self.study.document, *earlier]
                     raise InputError(
                         f"{{{name}}} is no axis, document or earlier step",
-                        file=self.file,
                         key=f"step {step.name}.arguments",
                         remedy=f"there is {', '.join(known)}",
                     )
@@ -147,13 +148,9 @@ class Plan:
         places |= {name: f"{STEPS}/{key[:2]}/{key}/{name}.json" for name, key in keys.items()}
         words, identity = [], []
         for text in section.arguments:
-            try:
+            with placed(key=f"step.{position}.arguments", remedy="correct the braces"):
                 word = fill(text, {**texts, **places}, numbers)
                 symbol = fill(text, {**texts, **symbols}, numbers)
-            except TemplateError as error:
-                raise InputError(
-                    str(error), file=self.file, key=f"step.{position}.arguments", remedy="correct the braces"
-                ) from None
             path = self.files.find(word)
             words.append(path or word)
             identity.append(symbol if path is None else self._file(path))
@@ -180,13 +177,11 @@ class Plan:
             return self.files.find(filled) or filled
 
         for key, value in section.set.items():
-            try:
+            with placed(key=f"{place}.{key}"):
                 new = map_texts(value, put)
-            except TemplateError as error:
-                raise InputError(str(error), file=self.file, key=f"{place}.{key}") from None
             if isinstance(new, str) and new != value and not isinstance(value, dict):
                 new = _bare(new)
-            for holder, last in targets(document, key, self.file, place):
+            for holder, last in targets(document, key, place):
                 holder[last] = copy.deepcopy(new)
         return document
 
@@ -202,10 +197,10 @@ class Plan:
         return f"{{file {os.path.splitext(path)[1]} {self.files.digest(os.path.normpath(path))}}}"
 
 
-def targets(document: dict[str, Any], dotted: str, file: str, place: str) -> list[tuple[Any, Any]]:
+def targets(document: dict[str, Any], dotted: str, place: str) -> list[tuple[Any, Any]]:
     """Return (holder, key) of every place that a dotted key names; InputError where it names none.
 
-    >>> targets({"heater": [{"power": "1 W"}]}, "heater.*.power", "study.toml", "set")
+    >>> targets({"heater": [{"power": "1 W"}]}, "heater.*.power", "set")
     [({'power': '1 W'}, 'power')]
     """
     parts = dotted.split(".")
@@ -222,7 +217,6 @@ def targets(document: dict[str, Any], dotted: str, file: str, place: str) -> lis
         if not found:
             raise InputError(
                 f"{dotted}: there is no {'.'.join(parts[: depth + 1])} in the document",
-                file=file,
                 key=place,
                 remedy="list items are counted from 0, * means all of them",
             )

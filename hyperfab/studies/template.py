@@ -8,6 +8,8 @@ import operator
 import re
 from collections.abc import Callable, Iterator, Mapping
 
+from hyperfab.errors import InputError
+
 _BRACES = re.compile(r"\{([^{}]*)\}")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _BINARY: dict[type[ast.operator], Callable[[float, float], float]] = {
@@ -21,7 +23,7 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {"sqrt": math.sqrt, "min": min, "m
 Number = float | int
 
 
-class TemplateError(ValueError):
+class TemplateError(InputError):
     """Braces that cannot be filled; the message says why."""
 
 
@@ -97,8 +99,6 @@ def _value(node: ast.AST, numbers: Mapping[str, Number | None], formula: str) ->
             if node.keywords:
                 raise TemplateError(f"{{{formula}}}: {node.func.id} takes plain numbers")
             return _FUNCTIONS[node.func.id](*(_value(part, numbers, formula) for part in node.args))
-    except TemplateError:
-        raise
     except (ArithmeticError, TypeError, ValueError) as error:  # sqrt of a negative number
         raise TemplateError(f"{{{formula}}}: {error}") from None
     raise TemplateError(f"{{{formula}}}: a formula has numbers, names, + - * / ( ), {', '.join(_FUNCTIONS)}")

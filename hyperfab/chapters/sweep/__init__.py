@@ -19,7 +19,7 @@ from hyperfab.chapters.sweep.result import write_result
 from hyperfab.console import NEGATIVE_VERDICT, Advance, Terminated
 from hyperfab.documents.base import KINDS, document_class, parse_document, read_document, stated_kind
 from hyperfab.documents.study import StudyDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.output import Output
 from hyperfab.numerics.threads import cores
 from hyperfab.studies.engine import Engine, Progress
@@ -43,7 +43,8 @@ def run(job: Job, case: SweepCase, commands: ModuleType = steps) -> int:
             f"{study}: {document.cases} cases ({factors}{drawn}); more than {MANY} need --yes, or fewer values"
         )
     plan = Plan(document, study, job.inputs)
-    check_study(plan, commands)
+    with placed(study):
+        check_study(plan, commands)
     store = Store(case.out)
     with store.held():
         output = Output(str(store.folder / "sweep.json"), (".csv", ".parquet", ".effects.png", ".cases.png"))
@@ -150,7 +151,6 @@ def check_study(plan: Plan, commands: Any) -> None:
             known = step.command in commands.COMMANDS
             raise InputError(
                 wrong,
-                file=plan.file,
                 key=f"step.{position}",
                 remedy=f"hf {step.command} --help shows its options" if known else "hf --help lists the commands",
             )
@@ -159,12 +159,7 @@ def check_study(plan: Plan, commands: Any) -> None:
     used = {os.path.splitext(name)[0] for step in first.steps for name, _ in step.documents}
     for name in plan.study.document:
         if name not in used:
-            raise InputError(
-                "is used by no step",
-                file=plan.file,
-                key=f"document.{name}",
-                remedy=f"write {{{name}}} in its arguments",
-            )
+            raise InputError("is used by no step", key=f"document.{name}", remedy=f"write {{{name}}} in its arguments")
         _check_document(plan, name)
     _check_axes_used(plan)
 
@@ -175,16 +170,15 @@ def _check_figure(plan: Plan, commands: Any, name: str, path: str) -> None:
     if owner not in made or not key:
         raise InputError(
             f"{path!r} begins with no step",
-            file=plan.file,
             key=f"figures.{name}",
             remedy=f"write STEP.key, with one of {', '.join(made)}",
         )
     kind = commands.COMMANDS[made[owner]]
     if kind in KINDS:
-        _check_key(document_class(kind), key, plan.file, name, made[owner])
+        _check_key(document_class(kind), key, name, made[owner])
 
 
-def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: str) -> None:
+def _check_key(cls: type[BaseModel], key: str, figure: str, command: str) -> None:
     """Follow a dotted key through the classes of a document, as far as they name their keys."""
     current: Any = cls
     for part in key.split("."):
@@ -200,7 +194,6 @@ def _check_key(cls: type[BaseModel], key: str, file: str, figure: str, command: 
             near = [name for name in model.model_fields if name[:4] == part[:4]] or list(model.model_fields)
             raise InputError(
                 f"hf {command} writes no {key}",
-                file=file,
                 key=f"figures.{figure}",
                 remedy=f"it has {', '.join(near[:8])}; hf schema shows all",
             )
@@ -228,7 +221,6 @@ def _check_axes_used(plan: Plan) -> None:
         if len(axis.levels) > 1 and [step.key for step in plan.case(stride).steps] == keys:
             raise InputError(
                 "changes no step",
-                file=plan.file,
                 key=f"axis.{axis.name}",
                 remedy=f"write {{{axis.name}}} in a step's arguments or in document.NAME.set",
             )
