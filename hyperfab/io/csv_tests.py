@@ -11,7 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Ints
 from hyperfab.curve import TestCurve
-from hyperfab.errors import InputError
+from hyperfab.errors import InputError, placed
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_dialect import open_sheets
 from hyperfab.io.csv_numbers import numbers
@@ -81,15 +81,17 @@ def read_tests(
     found: list[TestData] = []
     sheets = []
     for sheet in open_sheets(data, name, fits, told):
-        kind = said(sheet, test)
-        parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
-        if kind is None and len(parts) == 1 and may_be_specimens(sheet):
-            raise no_test(sheet, TESTS)
-        sheets += [one for part in parts for one in parted_by_sizes(part)]
+        with placed(sheet.name):
+            kind = said(sheet, test)
+            parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
+            if kind is None and len(parts) == 1 and may_be_specimens(sheet):
+                raise no_test(sheet, TESTS)
+            sheets += [one for part in parts for one in parted_by_sizes(part)]
     sheets = in_one(sheets, told.decimal) if len(sheets) > 1 else sheets
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
-        found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
+        with placed(sheet.name):
+            found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
     if sum(len(part.stretch) for part in found) < 2:
         raise InputError(
             "has one row, a curve needs at least two",

@@ -34,7 +34,7 @@ def refuse_impossible(found: TestCurve, sheet: CsvSheet, columns: Roles, clock: 
 
     def refuse(row: int, message: str, remedy: str) -> InputError:
         line = None if found.lines is None else int(found.lines[row])
-        return InputError(message, file=sheet.name, line=line, remedy=remedy)
+        return InputError(message, line=line, remedy=remedy)
 
     held = found.stretch2 is not None or found.time_s is not None  # a strip test across, a relaxation
     if len(stretch) > 1 and np.ptp(stretch) == 0.0 and not held:

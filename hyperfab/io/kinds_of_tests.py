@@ -40,19 +40,19 @@ def said(sheet: CsvSheet, given: str | None) -> str | None:
     if given is not None:
         return given
     entries = sheet.metadata.get("test", [])
-    declared = next((_declared(entry.value, sheet.name) for entry in entries if entry.sure), None)
+    declared = next((_declared(entry.value) for entry in entries if entry.sure), None)
     named = surest(entry.value for entry in entries)
     return declared or (named.kind if named else None)
 
 
-def _declared(test: str | None, name: str) -> str | None:
+def _declared(test: str | None) -> str | None:
     if test is None:
         return None
     folded = test.strip().casefold().replace("_", "-")
     folded = _LETTERS.get(folded, folded)
     found = folded if folded in TESTS else word_for(folded, "TESTS")
     if found is None:
-        raise InputError(f"{test[:40]} is no test", file=name, key="test", remedy=f"one of {', '.join(TESTS)}")
+        raise InputError(f"{test[:40]} is no test", key="test", remedy=f"one of {', '.join(TESTS)}")
     return "uniaxial" if found == "compression" else found
 
 
@@ -74,20 +74,13 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
             continue
         compression = compression or word_for(text, "TESTS") == "compression"
         try:
-            known[text] = _declared(text, sheet.name) or ""
+            known[text] = _declared(text) or ""
         except InputError as error:
-            raise InputError(
-                error.message,
-                file=sheet.name,
-                line=line,
-                column="test" if column else None,
-                remedy=error.remedy,
-            ) from None
+            raise InputError(error.message, line=line, column="test" if column else None, remedy=error.remedy) from None
         plain = known[text].removesuffix("-general")
         if given is not None and plain != given.removesuffix("-general"):
             raise InputError(
                 f"says the test is {known[text]}, but it was given as {given}",
-                file=sheet.name,
                 line=line,
                 remedy=f"give it as --{plain}, or correct the line"
                 if plain in _OPTIONS and sheet.over is None and not sheet.label
@@ -103,7 +96,7 @@ def tests_of_rows(sheet: CsvSheet, columns: Roles, given: str | None) -> tuple[l
     if named is not None and guess == "compression":
         pressed = "yes" if named.sure else "perhaps"
     if given is not None:
-        return [_declared(given, sheet.name) or ""] * count, pressed
+        return [_declared(given) or ""] * count, pressed
     if guess is None and columns.first(STRESSES) is None:
         raise no_stress(sheet, columns)
     if guess is None:

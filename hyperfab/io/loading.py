@@ -257,7 +257,6 @@ class _Reader:
             self.specimen.refuse_untaken("thickness")
             raise InputError(
                 "needs the thickness of the sheared layer to become a shear strain",
-                file=self.sheet.name,
                 column=column.heading.title,
                 remedy='give --thickness 2mm, or add a line "# thickness: 2 mm" on top',
             )
@@ -307,7 +306,6 @@ class _Reader:
             too = force is not None and force.name.startswith("force") and not self.specimen.tells_section(axis)
             raise InputError(
                 "needs the gauge length to become a stretch",
-                file=self.sheet.name,
                 column=head.title,
                 remedy=perhaps_gauge_length(self.sheet, self.specimen.decimal, pressed)
                 + (f"; {force.heading.title} needs a width too, --width 25mm" if force is not None and too else ""),
@@ -359,7 +357,6 @@ class _Reader:
             if name == "force" and per_width and thickness is None:
                 raise InputError(
                     "needs the thickness",
-                    file=self.sheet.name,
                     column=deviation.heading.title,
                     remedy='give --thickness, or add a line "# thickness: 0.6 mm" on top',
                 )

@@ -130,7 +130,6 @@ def _direction(text: str, column: Heading | None, sheet: CsvSheet, line: int) ->
     other = "branch" if word_for(text, "BRANCHES") else "aside"
     raise InputError(
         f"{text[:40] or 'an empty cell'} is no direction",
-        file=sheet.name,
         line=line,
         column=column.title if column else None,
         key=None if column else "direction",
@@ -246,19 +245,13 @@ def _cycles(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> 
     elif entry is not None and re.fullmatch(r"\d{1,9}", entry.value, re.ASCII):
         values = np.full(len(sheet.lines), float(entry.value))
     elif entry is not None and entry.sure:
-        raise InputError(
-            f"{entry.value[:40]} is no cycle number",
-            file=sheet.name,
-            line=entry.line,
-            remedy="write # cycle: 1",
-        )
+        raise InputError(f"{entry.value[:40]} is no cycle number", line=entry.line, remedy="write # cycle: 1")
     else:
         return None
     wrong = np.flatnonzero((values != np.round(values)) | (np.abs(values) > 1e9))
     if wrong.size:
         raise InputError(
             f"{values[wrong[0]]:g} is no cycle number",
-            file=sheet.name,
             line=sheet.lines[int(wrong[0])],
             column="cycle",
             remedy="number the cycles 1, 2, 3" + _or_aside(sheet, column),
@@ -282,7 +275,6 @@ def _branches(sheet: CsvSheet, columns: Roles) -> Ints | None:
         if side is None:
             raise InputError(
                 f"{text or 'an empty cell'} is no branch",
-                file=sheet.name,
                 line=line,
                 column="branch",
                 remedy="write load or unload" + _or_aside(sheet, columns.columns.get("branch")),

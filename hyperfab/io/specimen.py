@@ -92,7 +92,6 @@ class Specimen:
         disc = " or diameter" if test.startswith("biaxial") else ""
         raise InputError(
             f"needs the width{disc} of the specimen to become a stress",
-            file=self.sheet.name,
             column=title,
             remedy='give --width 25mm, or add a line "# width: 25 mm" on top',
         )
@@ -109,7 +108,6 @@ class Specimen:
         self.refuse_untaken("area", "specimen length", "width")
         raise InputError(
             "needs the area that is sheared to become a stress",
-            file=self.sheet.name,
             column=title,
             remedy='add a line "# area: 500 mm2" on top, that of all faces which bear the force',
         )
@@ -141,7 +139,6 @@ class Specimen:
         options = f"--width {sizes.width:g}mm --thickness {across:g}mm, or for the area --width {sizes.width:g}mm "
         raise InputError(
             f"states an area of {area:g} mm^2, and a width and {name} of {sizes.width * across:g} mm^2",
-            file=self.sheet.name,
             line=one.line if one else None,
             remedy=f"correct it, or line {two.line if two else 0}"
             if name != "thickness"
@@ -154,7 +151,6 @@ class Specimen:
         section = f"if it is width times thickness, give --width {width:g}mm --thickness {thickness or 0.0:g}mm; "
         return InputError(
             "needs the area that is pressed" + (": the thickness may be the height" if thickness else ""),
-            file=self.sheet.name,
             remedy=(section if thickness else "")
             + f'if it is as long as wide, add a line "# area: {width**2:g} mm^2" on top',
         )
@@ -177,7 +173,6 @@ def read_specimen(sheet: CsvSheet, given: Geometry, decimal: str, notes: list[st
                 entry = stated(sheet, key.replace("_", " "))
                 raise InputError(
                     "is not positive",
-                    file=sheet.name,
                     line=entry.line if entry else None,
                     key=key.replace("_", " "),
                     remedy="write the size of the undeformed specimen",

@@ -45,7 +45,7 @@ def amount(sheet: CsvSheet, key: str, kind: str, decimal: str, notes: list[str],
         return quantity(dotted(entry.value, decimal), kind)
     except InputError as error:
         if entry.sure:
-            raise InputError(error.message, file=sheet.name, line=entry.line, key=key, remedy=error.remedy) from None
+            raise InputError(error.message, line=entry.line, key=key, remedy=error.remedy) from None
         notes.append(
             f"{key}, line {entry.line}: {entry.value[:40]} is not taken "
             f"({error.message.partition(': ')[2] or error.message})"
@@ -61,7 +61,6 @@ def conflicting(sheet: CsvSheet, decimal: str) -> None:
     one, two = stated(sheet, "gauge length"), stated(sheet, "grip distance")
     raise InputError(
         f"states a gauge length of {gauge:g} mm and, in line {two.line if two else 0}, {grips:g} mm between the grips",
-        file=sheet.name,
         line=one.line if one else None,
         remedy=f"say which the extension is over: --gauge-length {gauge:g}mm for an extensometer, "
         f"--gauge-length {grips:g}mm for the crosshead",
@@ -84,7 +83,6 @@ def untaken(sheet: CsvSheet, key: str, decimal: str) -> InputError | None:
     bare = all(sizes) and not any(size[2] for size in sizes if size)
     return InputError(
         f"states {told}" if len(values) > 1 else f"{told}: is no length that can be taken for sure",
-        file=sheet.name,
         line=entries[0].line,
         key=key,
         remedy=("write the unit behind it, or, if it is in mm, " if bare else "") + f"give {options}",
