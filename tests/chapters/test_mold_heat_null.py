@@ -95,7 +95,7 @@ def test_extended_mold_of_terms_at_their_null_is_the_mold(tmp_path: Path) -> Non
     job = Job("close-loop", [], Console(True))
     read = heat.Thermocouples(times, np.full((61, 1), 25.0), ["T"])
     builder = MoldBuilder(document, "mold.toml", job.inputs)
-    problem = heat.pose(job, document, "mold.toml", builder, read, [], 0.1)
+    problem = heat.pose(builder, read, [], 0.1)
     own = np.array([constant.value for constant in problem.own])
     plain = problem.predict(own, {})
     noise = Noise(np.full(61, 0.1), np.inf, "stated")

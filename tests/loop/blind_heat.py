@@ -66,7 +66,7 @@ def mold(protocol: str) -> Mold:
     names = ["T1", "T2", "T3", "T4"][: 2 if poor else 4]
     empty = heat.Thermocouples(np.linspace(0.0, duration, ROWS), np.full((ROWS, len(names)), 20.0), names)
     job = Job("close-loop", [], Console(True))
-    posed = heat.pose(job, document, name, MoldBuilder(document, name, job.inputs), empty, [], PRIOR)
+    posed = heat.pose(MoldBuilder(document, name, job.inputs), empty, [], PRIOR)
     own = [(constant.name, kind) for constant, kind in zip(posed.own, posed.kinds, strict=True)]
     return Mold(posed, own, names)
 

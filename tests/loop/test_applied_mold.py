@@ -93,7 +93,7 @@ def posed(text: bytes, folder: Path) -> Posed:
     job = Job("close-loop", [], Console(True))
     warm = np.tile(np.linspace(25.0, 120.0, len(TIMES))[:, None], (1, 3))
     builder = MoldBuilder(document, name, job.inputs)
-    problem = heat.pose(job, document, name, builder, heat.Thermocouples(TIMES, warm, ["A", "B", "C"]), [], 0.1)
+    problem = heat.pose(builder, heat.Thermocouples(TIMES, warm, ["A", "B", "C"]), [], 0.1)
     return Posed(data, document, problem, np.array([constant.value for constant in problem.own]))
 
 

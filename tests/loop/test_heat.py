@@ -58,7 +58,7 @@ def cube(power: float, start: float) -> tuple[HeatProblem, np.ndarray]:
     times = np.linspace(0.0, 1000.0, 101)
     read = heat.Thermocouples(times, np.full((101, 1), start), ["T"])
     builder = MoldBuilder(document, "cube.toml", job.inputs)
-    problem = heat.pose(job, document, "cube.toml", builder, read, [], 0.1)
+    problem = heat.pose(builder, read, [], 0.1)
     return problem, times
 
 
@@ -164,7 +164,7 @@ def test_thermostat_is_followed_by_the_power_it_drew() -> None:
     times = np.linspace(0.0, 1000.0, 201)
     power = np.where((times < 300.0) | (np.sin(times / 20.0) > 0.0), 40.0, 0.0)
     read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"], power)
-    problem = heat.pose(job, document, "cube.toml", MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1)
+    problem = heat.pose(MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1)
     found = problem.predict(np.array([constant.value for constant in problem.own]), {})
     capacity, loss, fine = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3, np.linspace(0.0, 1000.0, 200001)
     drawn, now, expected = np.interp(fine, times, power), 25.0, []
@@ -185,7 +185,7 @@ def test_missing_readings_leave_the_others_where_they_are() -> None:
     readings = np.full((101, 1), 25.0)
     readings[[0, 17, 50]] = np.nan
     builder = MoldBuilder(document, "cube.toml", job.inputs)
-    problem = heat.pose(job, document, "cube.toml", builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1)
+    problem = heat.pose(builder, heat.Thermocouples(times, readings, ["T"]), [], 0.1)
     whole, _ = cube(10.0, 25.0)
     own = np.array([constant.value for constant in problem.own])
     assert len(problem.measured) == 98
@@ -243,7 +243,7 @@ def test_steel_that_conducts_worse_is_predicted_as_the_whole_mold_runs(hf: Run, 
         Job("close-loop", [], Console(True)),
         heat.Thermocouples(times, np.full((31, 2), 25.0), ["shoulder", "edge"]),
     )
-    problem = heat.pose(job, document, "mold.toml", MoldBuilder(document, "mold.toml", job.inputs), read, [], 0.1)
+    problem = heat.pose(MoldBuilder(document, "mold.toml", job.inputs), read, [], 0.1)
     own = np.array([constant.value for constant in problem.own])
     own[[constant.name for constant in problem.own].index("material.steel.conductivity")] = share
     found = problem.predict(own, {}).reshape(2, -1)

@@ -10,9 +10,8 @@ import pytest
 from loop import test_applied_mold as applied
 
 from hyperfab.chapters.close_loop import heat
-from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder
-from hyperfab.console import Console
+from hyperfab.io.inputs import Inputs
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.noise_estimate import estimate_noise
@@ -28,9 +27,9 @@ def problem_of(text: str, folder: Path) -> HeatProblem:
     read = true.problem.predict(true.own, {}).reshape(3, -1).T
     read = read + NOISE_K * np.random.default_rng(4).standard_normal(read.shape)
     given = applied.given()
-    builder, job = MoldBuilder(given.document, "mold.toml", []), Job("close-loop", [], Console(True))
+    builder = MoldBuilder(given.document, "mold.toml", Inputs())
     thermocouples = heat.Thermocouples(applied.TIMES, read, ["A", "B", "C"])
-    return heat.pose(job, given.document, "mold.toml", builder, thermocouples, [], 0.1)
+    return heat.pose(builder, thermocouples, [], 0.1)
 
 
 def found_of(text: str, folder: Path) -> Finding:

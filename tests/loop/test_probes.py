@@ -56,7 +56,7 @@ def bar() -> HeatProblem:
     job = Job("close-loop", [], Console(True))
     times = np.linspace(0.0, 3000.0, 61)
     read = heat.Thermocouples(times, np.full((61, 4), 22.0) + times[:, None] / 100.0, ["T1", "T2", "T3", "T4"])
-    return heat.pose(job, document, "bar.toml", MoldBuilder(document, "bar.toml", job.inputs), read, [], 0.1)
+    return heat.pose(MoldBuilder(document, "bar.toml", job.inputs), read, [], 0.1)
 
 
 def logged(change: str) -> tuple[HeatProblem, Noise]:

@@ -24,7 +24,7 @@ from hyperfab.chapters.mold_heat.recipe import note_ranges
 from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, FacesInBox, MoldDocument
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.loop.engine import Finding, close
@@ -50,20 +50,15 @@ def run(job: Job, given: Given) -> int:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")
     if len(given.case.readings) != 1:
         raise UsageError("--measured takes one file of thermocouples for a mold: one run, a column a probe")
-    if document.run.steady:
-        raise InputError(
-            "a steady run has no times to compare at",
-            file=given.case.model,
-            key="run.steady",
-            remedy="give until instead",
-        )
-    if document.production is not None:
-        raise InputError(
-            "close-loop does not follow pieces laid in and taken out",
-            file=given.case.model,
-            key="production",
-            remedy="measure the mold without pieces, and take the table out",
-        )
+    with placed(given.case.model):
+        if document.run.steady:
+            raise InputError("a steady run has no times to compare at", key="run.steady", remedy="give until instead")
+        if document.production is not None:
+            raise InputError(
+                "close-loop does not follow pieces laid in and taken out",
+                key="production",
+                remedy="measure the mold without pieces, and take the table out",
+            )
     probes = [probe.name for probe in document.probe]
     read = read_thermocouples(job, given.case.readings[0], probes, given.layout)
     if any(heater.control is not None for heater in document.heater) and read.power is None:
@@ -80,7 +75,7 @@ def run(job: Job, given: Given) -> int:
     job.console.warn(*builder.doubts)
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem = pose(job, document, given.case.model, builder, read, given.case.fix, given.surely)
+        problem = pose(builder, read, given.case.fix, given.surely)
         log = Log(problem)
         found = close(problem, noise=level, tick=ticking(advance, 0.2), put_right=log.explains)
         found, odd = log.looked_through(found)
@@ -107,25 +102,16 @@ def run(job: Job, given: Given) -> int:
     return write(job, out, given, found, result)
 
 
-def pose(
-    job: Job,
-    document: MoldDocument,
-    name: str,
-    builder: MoldBuilder,
-    read: Thermocouples,
-    fix: Sequence[str],
-    prior: float,
-) -> HeatProblem:
+def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: float) -> HeatProblem:
     """Return the problem of a mold and its thermocouples."""
-    given = builder
-    document, builder = _with_held_faces(document, builder, name, job)
-    built = builder.build()
+    builder = _with_held_faces(given)
+    document, built = builder.document, builder.build()
     given.take_mesh(builder)
     pairs = _touching(document, built)
     if pairs:
         more = [ContactSection(between=pair, h=f"{PERFECT:g} W/m^2/K") for pair in pairs]
         document = document.model_copy(update={"contact": [*document.contact, *more]})
-        builder = MoldBuilder(document, name, job.inputs)
+        builder = given.of(document)
         builder.take_mesh(given)
         built = builder.build()
     model = built.model
@@ -188,19 +174,17 @@ def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array
     return replace(mold, heaters=heaters, corners=tuple(sorted({*mold.corners, *turns})))
 
 
-def _with_held_faces(
-    document: MoldDocument, builder: MoldBuilder, name: str, job: Job
-) -> tuple[MoldDocument, MoldBuilder]:
-    """Return the document with its held temperatures as films that leave the face no choice."""
+def _with_held_faces(builder: MoldBuilder) -> MoldBuilder:
+    """Return the builder of the mold with its held temperatures as films that leave the face no choice."""
+    document = builder.document
     if not document.temperature:
-        return document, builder
+        return builder
     films = [
         ConvectionSection.model_construct(on=held.on, h=HOLDS, ambient=held.value) for held in document.temperature
     ]
-    changed = document.model_copy(update={"temperature": [], "convection": [*document.convection, *films]})
-    other = MoldBuilder(changed, name, job.inputs)
+    other = builder.of(document.model_copy(update={"temperature": [], "convection": [*document.convection, *films]}))
     other.tables = builder.tables  # one account of what was read, whatever it is built of
-    return changed, other
+    return other
 
 
 def _base(document: MoldDocument, built: Problem) -> list[str | tuple[int, int]]:

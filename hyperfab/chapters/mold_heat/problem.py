@@ -71,6 +71,7 @@ class MoldBuilder:
     def __init__(self, document: MoldDocument, name: str, inputs: Inputs, stl_unit: str = "mm") -> None:
         self.document = document
         self.name = name
+        self._read_by = inputs, stl_unit
         self.tables = Tables(inputs, name)
         self.doubts: list[str] = []
         self.corners: set[float] = set()
@@ -87,6 +88,10 @@ class MoldBuilder:
         if isinstance(start, EarlierField):
             heat = inputs.beside(name, start.document)
             self.earlier = read_field(inputs, heat, read_document(inputs, heat, HeatDocument))
+
+    def of(self, document: MoldDocument) -> MoldBuilder:
+        """Return a builder of a changed document of the same file."""
+        return MoldBuilder(document, self.name, *self._read_by)
 
     def take_mesh(self, other: MoldBuilder) -> None:
         """Take the mesh that another builder has made, where it is one of the same bodies."""
