@@ -100,16 +100,14 @@ _GRAVITY = Fraction("9.80665")
 _ABSOLUTE_ZERO_C = Fraction("-273.15")
 
 
-def quantity(
-    text: object, kind: str, *, option: str | None = None, key: str | None = None, file: str | None = None
-) -> float:
+def quantity(text: object, kind: str, *, option: str | None = None) -> float:
     """Return the quantity ``text`` in the unit its ``kind`` is computed in (see KINDS: mm, MPa, N, degC, s, J, ...).
 
     Any unit of the right kind is understood, products and prefixes included; a number alone is taken only where the
     kind has no dimension, and there ``%`` is understood too. One standard deviation may follow, ``3000 W +- 60 W`` or
     ``3000 W ± 2 %``: the quantity is then a ``Toleranced`` number.
 
-    Raises UsageError naming the ``option``, or else InputError naming ``file`` and ``key``, with the right form.
+    Raises UsageError naming the ``option``, or else InputError, with the right form.
 
     >>> quantity("60mm", "length"), quantity("2 W/cm^2", "heat-flux"), quantity("77 degF", "temperature")
     (60.0, 20000.0, 25.0)
@@ -123,7 +121,7 @@ def quantity(
     try:
         return _convert(text, wanted)
     except UnitError as error:
-        raise _refusal(str(error), text, option, key, file) from None
+        raise _refusal(str(error), text, option) from None
 
 
 def quantity_of(text: object, kinds: Sequence[str], *, option: str) -> tuple[str, float]:
@@ -267,13 +265,13 @@ def _engineers_reading(text: str, otherwise: Unit) -> Unit:
     return parse_unit(f"{head}/({rest})")
 
 
-def _refusal(message: str, text: object, option: str | None, key: str | None, file: str | None) -> HyperfabError:
+def _refusal(message: str, text: object, option: str | None) -> HyperfabError:
     shown = text if isinstance(text, str) else repr(text)
     shown = shown if len(shown) <= 60 else shown[:57] + "..."
     if option is not None:
         return UsageError(f"{option} {shown}: {message}")
     head, _, remedy = message.rpartition("; ")
-    return InputError(f"{shown}: {head or remedy}", file=file, key=key, remedy=remedy if head else None)
+    return InputError(f"{shown}: {head or remedy}", remedy=remedy if head else None)
 
 
 def _noun(kind: Kind) -> str:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.unit_table import UnitError, parse_unit
 from hyperfab.io.units import KINDS, column_factor, quantity, tolerance, worded
 
@@ -128,8 +128,8 @@ def test_what_is_no_quantity_is_refused_with_the_right_form(text: object, kind: 
         quantity(text, kind, option="--depth")
     assert str(usage.value).startswith("--depth")
     assert said in str(usage.value)
-    with pytest.raises(InputError) as bad:
-        quantity(text, kind, key="run.until", file="mold.toml")
+    with pytest.raises(InputError) as bad, placed("mold.toml", "run.until"):
+        quantity(text, kind)
     assert "mold.toml, key run.until" in str(bad.value)
     assert said in str(bad.value)
 

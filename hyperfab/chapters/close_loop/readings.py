@@ -14,7 +14,7 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.fit.prepare import broken
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import stated_noise
-from hyperfab.errors import InputError, UsageError
+from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.dictionary import plain
 from hyperfab.io.layout import Layout, filled_in
@@ -233,8 +233,9 @@ def told_left_out(left_out: Mapping[str, int]) -> list[str]:
 
 def stated_in(table: Table, key: str, kind: str = "temperature") -> float | None:
     """Return a quantity that a file states of all its readings, or None."""
-    text = table.metadata.get(key)
-    return None if text is None else quantity(text, kind, key=key, file=table.name)
+    with placed(table.name, key):
+        value = quantity(table.metadata[key], kind) if key in table.metadata else None
+    return value
 
 
 def spread(table: Table, column: str) -> Array | None:
@@ -342,7 +343,9 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
     left_out = {f"no reading of {name}": int(count) for name, count in lacking if count} | dict(table.left_out)
     for number, probe in enumerate(names):
         there = np.flatnonzero(np.isfinite(readings[:, number]))
-        rows = there[_off_neighbours(readings[there, number])]
+        log = readings[there, number]
+        # A loose plug, a switched relay stand off both sides of their neighbours.
+        rows = there[sorted(off_in_hold(np.ones_like(log), log, leap(log, float(np.ptp(log)))))]
         if rows.size:
             left_out[f"{probe} off its neighbours"] = int(rows.size)
             job.console.warn(
@@ -357,8 +360,3 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             "time counts from the mold's start"
         )
     return Thermocouples(table["time"], readings, names, power, left_out)
-
-
-def _off_neighbours(readings: Array) -> list[int]:
-    """Return the rows of a log (t,) that stand off both sides of their neighbours: a loose plug, a switched relay."""
-    return sorted(off_in_hold(np.ones_like(readings), readings, leap(readings, float(np.ptp(readings)))))

@@ -66,7 +66,9 @@ def compression_law(
         found = _by_temperature(job, name, laws[0], temperature)
     else:
         rows = [0.0 if law.temperature is None else law.temperature for law in laws]
-        found = Tempered(tuple(rows), tuple(_law(job, name, law, temperature) for law in laws))
+        found = Tempered(
+            tuple(rows), tuple(_by_temperature(job, name, law, temperature).at(temperature) for law in laws)
+        )
     return Tempered(found.temperatures, tuple(law.scaled(left) for law in found.laws)), 1.0 - left
 
 
@@ -111,10 +113,6 @@ def thinning(law: FoamLaw, document: FoamDocument, name: str, fabric: np.ndarray
         found,
         f"Poisson's ratio {ratio:g}, {'as is usual: none is given' if given is None else 'as given'}",
     )
-
-
-def _law(job: Job, name: str, given: Law, temperature: float) -> FoamLaw:
-    return _by_temperature(job, name, given, temperature).at(temperature)
 
 
 def _by_temperature(job: Job, name: str, given: Law, temperature: float) -> Tempered:
@@ -182,7 +180,8 @@ def _held(path: str, law: Hyperfoam) -> FoamLaw:
 def fabrics(job: Job, name: str, document: FoamDocument, temperature: float) -> Fabrics:
     """Return both fabric layers; a material document gives its own thickness, and a foam's how it gives way across."""
     given = document.fabric
-    across = None if given.compression is None else _law(job, name, given.compression, temperature)
+    pressed = given.compression
+    across = None if pressed is None else _by_temperature(job, name, pressed, temperature).at(temperature)
     thickness: dict[str, float] = {}
     layers: list[tuple[float, FoamLaw | None]] = []
     for side, layer in (("above", given.above), ("below", given.below)):
