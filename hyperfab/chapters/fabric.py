@@ -21,7 +21,7 @@ from hyperfab.materials.law import scaled
 from hyperfab.materials.orthotropic import Orthotropic
 
 #: The law that is the whole sheet's, not one direction's.
-ORTHOTROPIC = "orthotropic"
+ORTHOTROPIC = Orthotropic.name
 
 
 @dataclass(frozen=True)

@@ -48,10 +48,6 @@ class FoamFit(WholeFit[Hyperfoam]):
 
     flat: Plateau | None
 
-    @property
-    def name(self) -> str:
-        return self.law.name
-
     def predict(self, curve: TestCurve) -> Answer:
         """Return the stress [MPa] at each row, and the lateral stretch of a uniaxial test."""
         law = self.law_at(curve.temperature)

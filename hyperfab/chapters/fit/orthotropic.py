@@ -39,7 +39,6 @@ from hyperfab.materials.orthotropic.identify import Found, identify
 from hyperfab.materials.orthotropic.specimen import stable_range, stress
 from hyperfab.report.figures_fit import fit_figure
 
-NAME = "orthotropic"
 #: Below this share of its test's largest stress a reading counts by its absolute error: the slack start of a knit is
 #: as uncertain as the rest, and a ratio to next to nothing says little.
 _FLOOR = 0.1
@@ -58,10 +57,6 @@ class SheetFit(WholeFit[Orthotropic]):
     """The energy of a sheet; a direction is a view of it. ``optima`` are the fits at each temperature."""
 
     optima: tuple[Found, ...]
-
-    @property
-    def name(self) -> str:
-        return NAME
 
     @property
     def directions(self) -> list[str]:
@@ -185,7 +180,7 @@ class SheetFit(WholeFit[Orthotropic]):
                     model = replace(curves[0], stretch=grid, stress=grid, stretch2=None, stress2=None)
                     stress_there = _predict(self.law_at(temperature), model)[0]
                     lines.append(line(curves, temperature, (grid, stress_there), self.setting.fit_on))
-            panels.append((f"{NAME}{', ' + name if name else ''}", lines))
+            panels.append((f"{Orthotropic.name}{', ' + name if name else ''}", lines))
         return fit_figure(panels)
 
 

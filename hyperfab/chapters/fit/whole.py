@@ -54,11 +54,6 @@ class WholeFit(ABC, Generic[EnergyT]):
     setting: Setting
     undetermined: list[Undetermined]
 
-    @property
-    @abstractmethod
-    def name(self) -> str:
-        """The law's name."""
-
     @abstractmethod
     def predict(self, curve: TestCurve) -> Answer:
         """Return nominal stresses [MPa] along both axes, and the lateral stretch of a uniaxial test."""
@@ -112,7 +107,7 @@ class WholeFit(ABC, Generic[EnergyT]):
         return document_of(
             readings,
             self.setting,
-            model=self.name,
+            model=self.law.name,
             parameters=dict(self.law.parameters),
             temperature_degC=self.temperatures[self.reference],
             directions=self.along() or None,
@@ -203,7 +198,7 @@ class WholeFit(ABC, Generic[EnergyT]):
         """InputError where a stable law was asked for and this one is not; ``instead`` is a way out."""
         if self.setting.stable and not self.stable:
             raise InputError(
-                f"no constants of {self.name} could be shown to be stable over the data",
+                f"no constants of {self.law.name} could be shown to be stable over the data",
                 file=self.curves[0].source,
                 remedy=f"leave --stable out, or {instead}",
             )

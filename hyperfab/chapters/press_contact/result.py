@@ -263,12 +263,7 @@ def _gap_range(gap: Array, area: Array) -> GapRange:
     met = np.isfinite(gap) & (area > 0.0)
     if not met.any():
         return GapRange(missed_area_fraction=1.0)
-    return GapRange(
-        min_mm=float(gap[met].min()),
-        mean_mm=float(np.average(gap[met], weights=area[met])),
-        max_mm=float(gap[met].max()),
-        missed_area_fraction=float(area[~met].sum() / area.sum()),
-    )
+    return GapRange(**vars(_range(gap[met], area[met])), missed_area_fraction=float(area[~met].sum() / area.sum()))
 
 
 def _range(values: Array, area: Array) -> ThicknessRange:

@@ -23,6 +23,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -70,6 +71,7 @@ class Orthotropic:
     0.35
     """
 
+    name: ClassVar[str] = "orthotropic"
     parameters: Mapping[str, float]
 
     @classmethod
