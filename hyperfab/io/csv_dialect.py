@@ -192,7 +192,7 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
             separator = line.strip(' "\r\n')[4:5]
         else:
             body.append((number, line))
-    if comment is not None and body and any(is_data(split(body[0][1], mark, 0)) for mark in SEPARATORS):
+    if comment is not None and body and any(is_data(split(body[0][1], mark, body[0][0])) for mark in SEPARATORS):
         body.insert(0, comment)  # a table whose head is a comment, as numpy writes it
     return metadata, body, separator
 
