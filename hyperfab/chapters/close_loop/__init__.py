@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from hashlib import sha256
-from importlib import import_module
 from typing import Any
 
 from hyperfab.cases.loop import LoopCase
@@ -15,8 +14,8 @@ from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.layout import layout
 
-#: The kinds of model that the loop can be closed on, and the module that does.
-BUILT = {"material": "fabric", "mold": "heat", "press": "press", "contact": "contact", "drape": "drape"}
+#: The kinds of model that the loop can be closed on.
+BUILT = ("material", "mold", "press", "contact", "drape")
 _OF_A_PRESS = ("pressure", "contact", "thickness", "formed thickness", "height", "force")
 #: Columns of readings that no test of a fabric has.
 _NAMES = {
@@ -46,8 +45,7 @@ def run(job: Job, case: LoopCase) -> int:
         raise UsageError(f"--upstream is for a press or a drape document, and the model is a {kind}")
     _refuse_doubles(job, case.readings, case.held)
     told = layout(case.columns, case.skip_rows, case.decimal, own=names_of(kind, data))
-    domain: Callable[[Job, Given], int] = import_module(f"{__name__}.{BUILT[kind]}").run
-    return domain(job, Given(data, case, told, how))
+    return domain_of(kind)(job, Given(data, case, told, how))
 
 
 def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
@@ -62,6 +60,22 @@ def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
     found = data.get("probe")
     tables = [one for one in found if isinstance(one, Mapping)] if isinstance(found, list) else []
     return [one["name"] for one in tables if isinstance(one.get("name"), str)]
+
+
+def domain_of(kind: str) -> Callable[[Job, Given], int]:
+    """Return what closes the loop on a kind of model; imported only when it is asked for."""
+    domain: Callable[[Job, Given], int]
+    if kind == "material":
+        from hyperfab.chapters.close_loop.fabric import run as domain
+    elif kind == "mold":
+        from hyperfab.chapters.close_loop.heat import run as domain
+    elif kind == "press":
+        from hyperfab.chapters.close_loop.press import run as domain
+    elif kind == "contact":
+        from hyperfab.chapters.close_loop.contact import run as domain
+    else:
+        from hyperfab.chapters.close_loop.drape import run as domain
+    return domain
 
 
 def _refuse_doubles(job: Job, measured: list[str], held: list[str]) -> None:
