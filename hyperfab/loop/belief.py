@@ -81,11 +81,11 @@ def surprise(state: Candidate, least: Array | float = 0.0) -> float:
 
     What is left counts by Student's distribution, each kind of reading (stresses, contraction) apart, whatever number
     of constants the law has, but for the ``least`` that passes for noise; each name after the first counts for odds of
-    fifty to one, and so does each law of free shape but that of the plain law, which is never quite the fabric's; what
+    fifty to one, and so does each law of free shape but those that are never quite the fabric's (``inexact``); what
     each specimen has of its own costs by ``coincidence``.
     """
     forms = state.fit.forms
-    free = sum(form.free for name, form in forms.items() if name != state.problem.plain)
+    free = sum(form.free for name, form in forms.items() if name not in state.problem.inexact)
     agreed = sum(coincidence(state, name) for name, form in forms.items() if form.of_each)
     return _student(_left(state, least)) + 0.5 * MARGIN * (len(state.ids) - 1 + free) + agreed
 

@@ -36,9 +36,11 @@ from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import HyperfoamLaw
 from hyperfab.materials.law import Law, Sheet, stresses
 
-#: Effects that have a say in the stiffness at rest, the strain it is told at, and the least of it, as a share of the
-#: stiffness that the tests end with: no sheet lengthens without a force.
-_ELASTIC, _STEP, _LEAST = ("anisotropy", "elastic-law"), 1e-4, 1e-3
+#: Effects that have a say in the stiffness at rest, and the least of it, as a share of the stiffness that the tests end
+#: with: no sheet lengthens without a force.
+_ELASTIC, _LEAST = ("anisotropy", "elastic-law"), 1e-3
+#: The strain that is rest, a hair beyond where threads begin to bear, and that over which a slope is told.
+_REST, _STEP = 1e-4, 1e-5
 #: The kinds of tests whose stress rises with what tests of one of them add to a law.
 _RISING = (UNIAXIAL, SHEAR, BIAXIAL)
 #: Shares of the strain tested at which it is asked, closer at the start, where loops straighten.
@@ -143,6 +145,11 @@ class FabricProblem(Problem):
         return alike
 
     @property
+    def inexact(self) -> frozenset[str]:
+        """The plain law, and that of the contraction where it was read."""
+        return frozenset({self.plain, "compressibility"} if len(self.transverse_rows) else {self.plain})
+
+    @property
     def has_valleys(self) -> bool:
         """Whether the law is not linear in its constants: else other starts only spare a long way."""
         return len(self.starts) > 0 and self.combinations is None
@@ -180,9 +187,9 @@ class FabricProblem(Problem):
         if "elastic-law" in elastic:
             laws[" of the law itself"] = {key: term for key, term in elastic.items() if key != "elastic-law"}
         for of, named in laws.items():
-            modulus = self._at_rest.stress(warp, weft, named) / _STEP / self._secant
-            for angle, value in zip(self._at_rest.path.angle_deg, modulus, strict=True):
-                found[f"Young's modulus at rest{of}{_along(angle)}"] = _LEAST - float(value)
+            low, high = self._at_rest.stress(warp, weft, named).reshape(-1, 2).T
+            for angle, rise in zip(self._directions, (high - low) / _STEP / self._secant, strict=True):
+                found[f"Young's modulus at rest{of}{_along(angle)}"] = _LEAST - float(rise)
         if "elastic-law" in elastic and self._rising is not None:
             places, pairs = self._rising
             low, high = pairs.stress(warp, weft, elastic).reshape(-1, 2).T
@@ -234,8 +241,8 @@ class FabricProblem(Problem):
 
     @cached_property
     def _at_rest(self) -> Fabric:
-        pull = uniaxial_pull(np.full(len(self._directions), 1.0 + _STEP))
-        return Fabric(self.law, replace(pull, angle_deg=self._directions), self.fabric.reference_degC)
+        pull = uniaxial_pull(np.tile([1.0 + _REST, 1.0 + _REST + _STEP], len(self._directions)))
+        return Fabric(self.law, replace(pull, angle_deg=np.repeat(self._directions, 2)), self.fabric.reference_degC)
 
     @cached_property
     def _secant(self) -> float:

@@ -292,6 +292,11 @@ class Problem(ABC):
         return {}
 
     @property
+    def inexact(self) -> frozenset[str]:
+        """Entries of which no formula is quite the model's: a law of free shape is no less likely there."""
+        return frozenset({self.plain})
+
+    @property
     def has_valleys(self) -> bool:
         """Whether a fit of the own constants ends elsewhere where it begins elsewhere."""
         return len(self.starts) > 0

@@ -251,7 +251,7 @@ def model(names: tuple[str, ...], left: float, free: bool = False) -> Any:
     By formulas, or with one law of ``free`` shape.
     """
     curves = (Curve("t", 0, 1000, np.arange(1000.0)),)
-    problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), plain="elastic-law")
+    problem = SimpleNamespace(curves=curves, channel=np.zeros(1000, dtype=np.int64), inexact=frozenset({"elastic-law"}))
     size = (1.0 + left**2) * 1000.0
     forms = {name: SimpleNamespace(free=free and name == names[0], of_each=False) for name in names}
     residual = np.sqrt(size / 1000.0) * np.ones(1000)

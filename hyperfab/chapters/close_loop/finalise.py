@@ -161,6 +161,7 @@ def close_rounds(
     rounds: Callable[[P, Finding], P | None] = lambda problem, found: None,
     tick: Callable[[str], None] = lambda text: None,
     misses: Callable[[P], Callable[[Fit], float]] = lambda problem: none_apart,
+    design: bool = True,
 ) -> tuple[P, Finding]:
     """Close the loop, and again on the problem posed anew around what was found, until that no longer changes it.
 
@@ -170,7 +171,7 @@ def close_rounds(
     """
 
     def anew(posed: P) -> Finding:
-        closed = partial(close, posed, tick=tick, apart=misses(posed))
+        closed = partial(close, posed, tick=tick, design=design, apart=misses(posed))
         level = noise(posed, None)
         found = closed(noise=level)
         less = noise(posed, found.after.fit.predicted)
