@@ -41,12 +41,8 @@ def fewest(
     first = sorted(tried, key=lambda name: -tried[name].delta_bic)[:_FIRST]
     names = dict.fromkeys([*best.ids, *first, plain])
     alone = {name: state for name in names if (state := search.freed(before, [name])) is not None}
-    if plain in names:
-        likely = sorted(alone, key=lambda name: structured(alone[name].fit, search.problem, search.noise))[:_LIKELY]
-        if plain in alone:
-            # What shows in readings of another kind shows once the law no longer hides it.
-            likely += [effect.id for effect, _ in search.ranking(alone[plain])[:1]]
-        for name in _beside(plain, dict.fromkeys(likely)):
+    for name in sorted(alone, key=lambda name: structured(alone[name].fit, search.problem, search.noise))[:_LIKELY]:
+        if name != plain and plain in names:
             search.freed(before, [name, plain])
     found = likeliest(search, before, no_worse)
     if found is None or len({*found.ids} - {plain}) > 1:

@@ -129,6 +129,32 @@ def test_no_grip_takes_part_of_what_was_read_on_the_specimens(document: Material
     assert not pose(document, "knit.json", Measured([*marked, told.tests[0]], "MPa")).effect("grip-slack").not_sought
 
 
+def narrowed() -> Measured:
+    """Return three pulls each way whose loops lock, read across too: one way narrows by half of what the other does."""
+    draw, tests = np.random.default_rng(0), []
+    for angle, stiffness, locks, power in ((0.0, 0.3, 0.25, 0.45), (90.0, 0.06, 0.45, 0.2)):
+        for number in range(3):
+            stress = knitted(PULL - 1.0, stiffness * (1.0 + 0.04 * draw.standard_normal()), locks)
+            across = PULL ** (-power * (1.0 + 0.1 * draw.standard_normal()))
+            test = TestCurve(
+                "uniaxial",
+                PULL,
+                stress + 0.0004 * draw.standard_normal(len(PULL)),
+                stretch2=across + 0.002 * draw.standard_normal(len(PULL)),
+                direction=angle,
+                specimen=f"{angle} {number}",
+            )
+            tests.append(test)
+    return Measured(tests, "MPa")
+
+
+def test_a_contraction_that_was_read_has_a_law_no_formula_quite_is(document: MaterialDocument) -> None:
+    read = narrowed()
+    assert pose(document, "knit.json", read).inexact == {"elastic-law", "compressibility"}
+    alone = [replace(one, stretch2=None) for one in read.tests]
+    assert pose(document, "knit.json", Measured(alone, "MPa")).inexact == {"elastic-law"}
+
+
 def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:
     """Grips that give may bend each direction as its own law would: they are never named alone."""
     found = close(posed(document, 0.013, 0.005), design=False)
