@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy, load_offset, mullins
 from hyperfab.materials.effects.corners import cornered
-from hyperfab.materials.effects.fabric import Fabric
+from hyperfab.materials.effects.fabric import Fabric, Terms
 from hyperfab.materials.effects.grip_slack import BENDS, STAYS
 from hyperfab.materials.effects.path import (
     BIAXIAL,
@@ -45,6 +45,15 @@ _REST, _STEP = 1e-4, 1e-5
 _RISING = (UNIAXIAL, SHEAR, BIAXIAL)
 #: Shares of the strain tested at which it is asked, closer at the start, where loops straighten.
 _PLACES = tuple((k / 10.0) ** 2 for k in range(1, 11))
+
+
+class Slopes(NamedTuple):
+    """Slopes of the stress that are asked for: their names, the ``least`` of each, as a share of the stiffness that the
+    tests end with, and ``pairs`` of rows over which they are told."""
+
+    names: list[str]
+    least: Array
+    pairs: Fabric
 
 
 @dataclass(kw_only=True)
@@ -181,21 +190,17 @@ class FabricProblem(Problem):
             asked = {name: -value / self._secant for name, value in ground.items()}
             soft = 6.0 * (ground.get("C10_MPa", 0.0) + ground.get("C2_MPa", 0.0) / 3.0) / self._secant
             return asked | {"Young's modulus at rest of the ground": _LEAST - soft} | off
-        found: dict[str, float] = dict(off)
+        if "elastic-law" not in elastic:
+            return off | self._falls_short(self._at_rest, warp, weft, elastic)
         # The law of a document stands by itself too: what is added to it stands elsewhere in there.
-        laws = {"": elastic}
-        if "elastic-law" in elastic:
-            laws[" of the law itself"] = {key: term for key, term in elastic.items() if key != "elastic-law"}
-        for of, named in laws.items():
-            low, high = self._at_rest.stress(warp, weft, named).reshape(-1, 2).T
-            for angle, rise in zip(self._directions, (high - low) / _STEP / self._secant, strict=True):
-                found[f"Young's modulus at rest{of}{_along(angle)}"] = _LEAST - float(rise)
-        if "elastic-law" in elastic and self._rising is not None:
-            places, pairs = self._rising
-            low, high = pairs.stress(warp, weft, elastic).reshape(-1, 2).T
-            for place, rise in zip(places, (high - low) / _STEP / self._secant, strict=True):
-                found[f"slope of {place}"] = -float(rise)
-        return found
+        itself = {name: term for name, term in elastic.items() if name != "elastic-law"}
+        alone = self._falls_short(self._by_itself, warp, weft, itself)
+        return off | alone | self._falls_short(self._rising, warp, weft, elastic)
+
+    def _falls_short(self, slopes: Slopes, warp: Array, weft: Array | None, terms: Terms) -> dict[str, float]:
+        low, high = slopes.pairs.stress(warp, weft, terms).reshape(-1, 2).T
+        short = slopes.least - (high - low) / _STEP / self._secant
+        return dict(zip(slopes.names, short.tolist(), strict=True))
 
     def _zero_off(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
         """Return by how much the zero of a load cell is farther off than one may be that stays."""
@@ -213,36 +218,48 @@ class FabricProblem(Problem):
         return {"load that softening takes": share - MOST_TAKEN}
 
     @cached_property
-    def _rising(self) -> tuple[list[str], Fabric] | None:
-        """Places of each kind of test along each direction, up to the largest I1 of its tests, and pairs close together
-        there; None where several kinds hold the law, and of a foam, whose plateau is flat."""
-        path = self.fabric.path
-        if len(np.unique(path.mode)) > 1 or isinstance(self.law, HyperfoamLaw):
-            return None
-        reach, way = _I1(path.mode, path.stretch, path.across), np.nan_to_num(path.angle_deg)
-        far = [float(np.max(reach[way == angle])) for angle in np.nan_to_num(self._directions)]
-        stretch = np.linspace(1.0, float(np.sqrt(3.0 + max(far))), 2001)
-        names, places = [], []
-        for mode in _RISING:
-            ends = np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch)
-            for angle, end in zip(self._directions, ends, strict=True):
-                for share in _PLACES:
-                    names.append(f"{MODE_NAMES[mode]} stress{_along(angle)} at {share:.0%} of the strain tested")
-                    places.append((mode, angle, 1.0 + share * (end - 1.0)))
-        modes, angles, ways = (np.repeat(one, 2) for one in zip(*places, strict=True))
-        pull = uniaxial_pull(ways + np.tile([0.0, _STEP], len(names)))
-        return names, Fabric(self.law, replace(pull, mode=modes, angle_deg=angles), self.fabric.reference_degC)
-
-    @cached_property
     def _directions(self) -> Array:
         """The directions tested [deg], nan where none is stated."""
         known = np.unique(self.fabric.path.angle_deg[np.isfinite(self.fabric.path.angle_deg)])
         return known if len(known) else np.array([np.nan])
 
     @cached_property
-    def _at_rest(self) -> Fabric:
-        pull = uniaxial_pull(np.tile([1.0 + _REST, 1.0 + _REST + _STEP], len(self._directions)))
-        return Fabric(self.law, replace(pull, angle_deg=np.repeat(self._directions, 2)), self.fabric.reference_degC)
+    def _at_rest(self) -> Slopes:
+        places = [(UNIAXIAL, angle, 1.0 + _REST) for angle in self._directions]
+        return self._slopes([f"Young's modulus at rest{_along(angle)}" for angle in self._directions], places)
+
+    @cached_property
+    def _by_itself(self) -> Slopes:
+        names = [f"Young's modulus at rest of the law itself{_along(angle)}" for angle in self._directions]
+        return self._at_rest._replace(names=names)
+
+    @cached_property
+    def _rising(self) -> Slopes:
+        """Those at rest, and those of each kind of test along each direction, up to the largest I1 of its tests; not
+        where several kinds hold the law, nor of a foam, whose plateau is flat."""
+        path, rest = self.fabric.path, self._at_rest
+        if len(np.unique(path.mode)) > 1 or isinstance(self.law, HyperfoamLaw):
+            return rest
+        reach, way = _I1(path.mode, path.stretch, path.across), np.nan_to_num(path.angle_deg)
+        far = [float(np.max(reach[way == angle])) for angle in np.nan_to_num(self._directions)]
+        stretch = np.linspace(1.0, float(np.sqrt(3.0 + max(far))), 2001)
+        names, places = [*rest.names], [(UNIAXIAL, angle, 1.0 + _REST) for angle in self._directions]
+        for mode in _RISING:
+            ends = np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch)
+            for angle, end in zip(self._directions, ends, strict=True):
+                for share in _PLACES:
+                    names.append(
+                        f"slope of {MODE_NAMES[mode]} stress{_along(angle)} at {share:.0%} of the strain tested"
+                    )
+                    places.append((mode, angle, 1.0 + share * (end - 1.0)))
+        found = self._slopes(names, places)
+        return found._replace(least=np.where(np.arange(len(names)) < len(rest.names), _LEAST, 0.0))
+
+    def _slopes(self, names: list[str], places: Sequence[tuple[int, float, float]]) -> Slopes:
+        """Return the slopes at places: kind of test, direction [deg] and stretch."""
+        modes, angles, ways = (np.repeat(one, 2) for one in zip(*places, strict=True))
+        pull = replace(uniaxial_pull(ways + np.tile([0.0, _STEP], len(names))), mode=modes, angle_deg=angles)
+        return Slopes(names, np.full(len(names), _LEAST), Fabric(self.law, pull, self.fabric.reference_degC))
 
     @cached_property
     def _secant(self) -> float:

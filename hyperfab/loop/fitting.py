@@ -310,8 +310,12 @@ class Descent:
     def _slopes_beyond(self, x: Array, beyond: Array) -> Array:
         """Return how what is forbidden at ``x``, ``beyond``, changes with each constant, (walls, constants)."""
         step = 1e-5 * np.maximum(np.abs(x), self.scale)
-        slope = np.stack([self._beyond(x + one) - beyond for one in np.diag(step)], axis=1) / step
-        return np.where(np.isfinite(slope), slope, 0.0)
+        slopes = np.zeros((len(beyond), len(x)))
+        for place in np.flatnonzero(self.low < self.high):
+            moved = x.copy()
+            moved[place] += step[place]
+            slopes[:, place] = (self._beyond(moved) - beyond) / step[place]
+        return np.where(np.isfinite(slopes), slopes, 0.0)
 
     def _holds(self) -> Array:
         """Return the weight of each prior."""

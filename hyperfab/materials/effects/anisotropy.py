@@ -49,7 +49,7 @@ def _mixed(share: Array, warp: Array, weft: Array) -> Array:
 
     A limiting law of the other axis may have no answer so far.
     """
-    return np.asarray(np.select([share == 0.0, share == 1.0], [warp, weft], warp + share * (weft - warp)))
+    return np.where(share == 0.0, warp, np.where(share == 1.0, weft, warp + share * (weft - warp)))
 
 
 class Directions:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, lru_cache
+from functools import cache, cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,12 +38,12 @@ class Added:
     richer: Mapping[str, str] = field(default_factory=dict)
     lately: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def linear(self) -> tuple[str, ...]:
         """The constants that the terms are linear in."""
         return tuple(name for name in self.names if name.endswith("_MPa"))
 
-    @property
+    @cached_property
     def nonlinear(self) -> tuple[str, ...]:
         """The others."""
         return tuple(name for name in self.names if not name.endswith("_MPa"))
@@ -237,11 +237,19 @@ def along(form: str, values: Iterable[float], weft: bool) -> tuple[str, list[flo
     >>> along("ogden", [0.1, 2.0], weft=True)
     ('ogden', [0.1, 2.0])
     """
+    one, places = _along(form, weft)
+    given = list(values)
+    return one, given if places is None else [given[place] for place in places]
+
+
+@cache
+def _along(form: str, weft: bool) -> tuple[str, tuple[int, ...] | None]:
+    """Return the form of one direction and which constants it has of one that has others along the weft; None: all."""
     one = form.removesuffix(EACH_WAY)
     if one == form:
-        return form, list(values)
-    named, plain = dict(zip(FORMS[form].names, values, strict=True)), FORMS[one]
-    return one, [named[of_weft(name) if weft and name in plain.linear else name] for name in plain.names]
+        return form, None
+    names, plain = FORMS[form].names, FORMS[one]
+    return one, tuple(names.index(of_weft(name) if weft and name in plain.linear else name) for name in plain.names)
 
 
 def richer(material: Material, form: str, constants: Mapping[str, float], *, weft: bool = False) -> Material:
