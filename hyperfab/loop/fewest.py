@@ -59,9 +59,11 @@ def fewest(
     if found is None and 0 < len(whole.ids) < 3:
         # What formulas leave may hide a further name, which shows beside their smooth laws.
         judged = len(search.states)
-        for effect, _ in search.ranking(whole)[:_FIRST]:
+        of_names = [state for state in search.states if {*state.ids} == {*whole.ids}]
+        base = min([whole, *of_names], key=lambda state: state.excess)
+        for effect, _ in search.ranking(base)[:_FIRST]:
             # One for which a too poor law could pass stays a formula.
-            search.freed(whole, [effect.id], of=whole.ids if effect.smooth else ())
+            search.freed(base, [effect.id], of=whole.ids if effect.smooth else ())
         found = likeliest(search, before, no_worse)
         if found is None and len(whole.ids) == 1:
             # A second name that leaves no noise either is not given: nor may it pass for sure.
