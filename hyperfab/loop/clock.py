@@ -36,7 +36,7 @@ class Timed(HeatProblem):
 
     def predict_near(self, x: Array, forms: Mapping[str, Form], moved: Array) -> Array:
         own = len(self.own)
-        clocks = [name in (_LATE, _FAST) for name in (one.name for one in self.own)]
+        clocks = [one.name in (_LATE, _FAST) for one in self.own]
         same = np.all(moved[:, :own][:, clocks] == x[:own][clocks], axis=1)
         found = np.empty((len(moved), len(self.measured)))
         found[same] = HeatProblem.predict_near(self._kept(x[:own]), x, forms, moved[same])

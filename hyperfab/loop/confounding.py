@@ -144,7 +144,7 @@ def _paying(search: Search, best: Candidate, without: Candidate, effect: Effect)
     if search.problem.describes:
         return None
     names = {*without.ids, effect.id}
-    better = [state for state in search.states if {*state.ids} == names and _gap(search, best, state) < 0.0]
+    better = [state for state in search.of_names(names) if _gap(search, best, state) < 0.0]
     return min(better, key=lambda state: _gap(search, best, state), default=None)
 
 

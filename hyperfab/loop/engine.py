@@ -340,7 +340,7 @@ def _likely(search: Search, before: Candidate, best: Candidate, sure_of: Callabl
         if without[weakest] <= sure.of[weakest]:
             break
         search.without(best, weakest)
-        same = [state for state in search.states if {*state.ids} == ids - {weakest}]
+        same = search.of_names(ids - {weakest})
         best = min(same, key=lambda state: (not explains(before, state), surprise(state)))
     return best
 

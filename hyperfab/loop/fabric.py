@@ -225,8 +225,7 @@ class FabricProblem(Problem):
 
     @cached_property
     def _at_rest(self) -> Slopes:
-        places = [(UNIAXIAL, angle, 1.0 + _REST) for angle in self._directions]
-        return self._slopes([f"Young's modulus at rest{_along(angle)}" for angle in self._directions], places)
+        return self._slopes([f"Young's modulus at rest{_along(angle)}" for angle in self._directions], [])
 
     @cached_property
     def _by_itself(self) -> Slopes:
@@ -237,13 +236,13 @@ class FabricProblem(Problem):
     def _rising(self) -> Slopes:
         """Those at rest, and those of each kind of test along each direction, up to the largest I1 of its tests; not
         where several kinds hold the law, nor of a foam, whose plateau is flat."""
-        path, rest = self.fabric.path, self._at_rest
+        path = self.fabric.path
         if len(np.unique(path.mode)) > 1 or isinstance(self.law, HyperfoamLaw):
-            return rest
+            return self._at_rest
         reach, way = _I1(path.mode, path.stretch, path.across), np.nan_to_num(path.angle_deg)
         far = [float(np.max(reach[way == angle])) for angle in np.nan_to_num(self._directions)]
         stretch = np.linspace(1.0, float(np.sqrt(3.0 + max(far))), 2001)
-        names, places = [*rest.names], [(UNIAXIAL, angle, 1.0 + _REST) for angle in self._directions]
+        names, places = [*self._at_rest.names], []
         for mode in _RISING:
             ends = np.interp(far, _I1(np.full_like(stretch, mode), stretch, stretch), stretch)
             for angle, end in zip(self._directions, ends, strict=True):
@@ -252,14 +251,16 @@ class FabricProblem(Problem):
                         f"slope of {MODE_NAMES[mode]} stress{_along(angle)} at {share:.0%} of the strain tested"
                     )
                     places.append((mode, angle, 1.0 + share * (end - 1.0)))
-        found = self._slopes(names, places)
-        return found._replace(least=np.where(np.arange(len(names)) < len(rest.names), _LEAST, 0.0))
+        return self._slopes(names, places)
 
-    def _slopes(self, names: list[str], places: Sequence[tuple[int, float, float]]) -> Slopes:
-        """Return the slopes at places: kind of test, direction [deg] and stretch."""
+    def _slopes(self, names: list[str], more: Sequence[tuple[int, float, float]]) -> Slopes:
+        """Return the slopes at rest and at ``more`` places, which are told by kind of test, direction [deg] and
+        stretch."""
+        places = [*((UNIAXIAL, angle, 1.0 + _REST) for angle in self._directions), *more]
         modes, angles, ways = (np.repeat(one, 2) for one in zip(*places, strict=True))
         pull = replace(uniaxial_pull(ways + np.tile([0.0, _STEP], len(names))), mode=modes, angle_deg=angles)
-        return Slopes(names, np.full(len(names), _LEAST), Fabric(self.law, pull, self.fabric.reference_degC))
+        least = np.repeat([_LEAST, 0.0], [len(self._directions), len(more)])
+        return Slopes(names, least, Fabric(self.law, pull, self.fabric.reference_degC))
 
     @cached_property
     def _secant(self) -> float:

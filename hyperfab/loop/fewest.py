@@ -59,8 +59,7 @@ def fewest(
     if found is None and 0 < len(whole.ids) < 3:
         # What formulas leave may hide a further name, which shows beside their smooth laws.
         judged = len(search.states)
-        of_names = [state for state in search.states if {*state.ids} == {*whole.ids}]
-        base = min([whole, *of_names], key=lambda state: state.excess)
+        base = min([whole, *search.of_names(whole.ids)], key=lambda state: state.excess)
         for effect, _ in search.ranking(base)[:_FIRST]:
             # One for which a too poor law could pass stays a formula.
             search.freed(base, [effect.id], of=whole.ids if effect.smooth else ())

@@ -84,7 +84,7 @@ def nearest_apart(search: Search, best: Candidate, apart: Apart) -> Candidate:
         for form in effect.forms:
             if not form.free and (one := search.joint(parent, effect, form)) is not None:
                 search.state(one)
-    same = [state for state in search.states if {*state.ids} == {*best.ids} and np.isfinite(state.fit.chi2)]
+    same = [state for state in search.of_names(best.ids) if np.isfinite(state.fit.chi2)]
     nearest = min(same, key=lambda state: apart(state.fit), default=best)
     return nearest if apart(nearest.fit) < MOST * apart(best.fit) else best
 

@@ -66,6 +66,10 @@ class Search:
         """All models that were judged."""
         return list(self._states.values())
 
+    def of_names(self, names: Collection[str]) -> list[Candidate]:
+        """Return those of them with just these names, in whatever forms."""
+        return [state for state in self.states if {*state.ids} == {*names}]
+
     def forget(self, first: int) -> None:
         """Take back what was judged after the ``first`` so many models: how sure a name is they have no say in."""
         for key in list(self._states)[first:]:

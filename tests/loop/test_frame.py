@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -18,6 +19,7 @@ from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.loop import confounding
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.press_reading import Frame
+from hyperfab.loop.search import Search
 
 #: How far [mm] a frame opens under a share of the largest force, by formulas that are none of the catalogue's.
 FRAMES: dict[str, Callable[[np.ndarray], np.ndarray]] = {
@@ -54,6 +56,7 @@ def test_a_rival_of_more_constants_stands_where_they_pay(monkeypatch: pytest.Mon
     without: Any = SimpleNamespace(ids=("tilt",))
     judged = {("frame-compliance", "tilt"): -40.0, ("frame-compliance",): -90.0, ("tilt", "set"): 5.0}
     search: Any = SimpleNamespace(problem=problem, states=[SimpleNamespace(ids=ids) for ids in judged])
+    search.of_names = partial(Search.of_names, search)
     monkeypatch.setattr(confounding, "_gap", lambda search, best, state: judged[state.ids])
 
     def paying(name: str) -> tuple[str, ...] | None:

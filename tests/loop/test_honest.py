@@ -4,6 +4,7 @@ than before, add constants that no material has. Each case is a class of data, m
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise, product
 from types import SimpleNamespace
 from typing import Any
@@ -536,6 +537,7 @@ def test_where_little_is_left_a_name_stays_only_if_it_is_likelier_than_that_noth
 ) -> None:
     bare, named = _names(), _names("ambient-drift")
     search: Any = SimpleNamespace(without=lambda state, name: bare, states=[bare, named])
+    search.of_names = partial(Search.of_names, search)
     sure = Belief({frozenset({"ambient-drift"}): 0.12, frozenset({"sensor-lag"}): 0.11}, nothing, 0.11)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("hyperfab.loop.engine.surprise", lambda state: 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +16,7 @@ from hyperfab.loop.belief import Belief
 from hyperfab.loop.confounding import is_strained
 from hyperfab.loop.engine import close
 from hyperfab.loop.problem import Constant, Curve, Effect, Form, Problem
+from hyperfab.loop.search import Search
 
 PLACE = np.linspace(0.0, 1.0, 60)
 
@@ -92,6 +94,7 @@ def test_a_name_goes_that_is_less_likely_than_the_others_without_it(
     judgement = SimpleNamespace(is_small=False)
     states = [SimpleNamespace(ids=tuple(ids), judgement=judgement) for ids in chances]
     search: Any = SimpleNamespace(states=states, without=lambda best, name: None)
+    search.of_names = partial(Search.of_names, search)
     sure = Belief({frozenset(ids): p for ids, p in chances.items()}, 0.0, 0.0)
     monkeypatch.setattr(engine, "surprise", lambda state: 0.0)
     monkeypatch.setattr(engine, "explains", lambda before, state: True)
