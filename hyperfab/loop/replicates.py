@@ -7,12 +7,14 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.special import stdtr
+from scipy.special import chdtrc, stdtr
 
 from hyperfab.arrays import Array, Ints
+from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import ALPHA, ONE_CLOTH, clearly
+from hyperfab.loop.thresholds import ALPHA, ONE_CLOTH, TOLD, UNLIKELY, clearly
 from hyperfab.materials.effects.path import REVERSAL
+from hyperfab.numerics.gram import inverse
 from hyperfab.numerics.hygiene import sides, turns
 
 #: Specimens that what is usual of one cloth counts for, beside those that were compared.
@@ -172,3 +174,32 @@ def _slope(place: Array, value: Array) -> Array:
     scaled = (place - place[0]) / np.ptp(place)
     cubic = np.polynomial.Polynomial.fit(scaled, value, 3)
     return np.asarray(cubic.deriv()(scaled) / np.ptp(place))
+
+
+def is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
+    """Whether fewer than half of the specimens differ in a term that gives each of them a constant.
+
+    What one or two of them have is what the model lacks there, not an effect of its own; unless they differ from those
+    that were led alike.
+    """
+    start = fitted.place(name).start
+    place = slice(start, start + len(fitted.forms[name].each))
+    scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
+    # Each further one is told by what it has more than the first: what all have may be known far worse.
+    of = np.eye(place.stop - place.start)
+    of[1:, 0] = 1.0
+    values, covariance = of @ fitted.x[place], scale**2 * of @ fitted.covariance[place, place] @ of.T
+    led = np.array([curve.setup for curve in pulls(curves)])
+    alike = led[:, None] == led
+    about = np.eye(len(values)) - alike / alike.sum(axis=1)
+    apart = about @ values
+    free = len(values) - len({*led})
+    odd = float(apart @ inverse(about @ covariance @ about.T, 1e-9) @ apart)
+    if free and chdtrc(free, odd) < UNLIKELY:
+        return False
+    order = np.argsort(values)
+    about = np.eye(len(values))
+    about -= about[order[(len(order) - 1) // 2 : len(order) // 2 + 1]].mean(axis=0)
+    sd = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", about, covariance, about), 0.0))
+    odd = np.abs(about @ values) > TOLD * sd
+    return bool(np.count_nonzero(odd) < 0.5 * len(values))

@@ -6,17 +6,17 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import chdtrc
 
+from hyperfab.arrays import Array
 from hyperfab.loop.fitting import Fit, descent, fit
 from hyperfab.loop.heldout import Help, help_of
 from hyperfab.loop.judge import Candidate, Evidence, Level, correlation_time, structured_of_each
 from hyperfab.loop.noise import Noise, with_misfit
-from hyperfab.loop.problem import Curve, Effect, Form, Problem
-from hyperfab.loop.replicates import pulls
+from hyperfab.loop.problem import Effect, Form, Problem
+from hyperfab.loop.replicates import is_of_few
 from hyperfab.loop.score import points_at
 from hyperfab.loop.screen import refining, worth_a_fit
-from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL, TOLD, UNLIKELY
+from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL, TOLD
 from hyperfab.numerics.gram import inverse
 
 #: Refinements of the terms of a model that leaves much.
@@ -235,7 +235,7 @@ class Search:
                 kept = self.problem.scaled(base, _NEXT_TO_NOTHING)
                 pairs += [(kept, given | {name: np.array(one)}) for one in form.starts]
             starts = [np.concatenate([own, *parts.values()]) for own, parts in pairs]
-            found = descent(self.problem, self.noise, forms, starts, coarse=True).fit(self.noise)
+            found = self._lowest_of(forms, form, [starts])
             if not np.isfinite(found.chi2):
                 return None
             self._fits[key] = found
@@ -271,12 +271,21 @@ class Search:
         delivered = [np.concatenate([own, start[len(own) :]]) for start in starts]
         # Where a law has several optima each way is gone to its end.
         ways = [starts, delivered] if self.problem.has_valleys else [starts + self.problem.well_known * delivered]
-        tries = [descent(self.problem, self.noise, forms, way, coarse=True) for way in ways]
-        best = min(tries, key=lambda one: one.cost).fit(self.noise)
-        if not np.isfinite(best.chi2) or (form.of_each and _is_of_few(best, effect.id, self.problem.curves)):
+        best = self._lowest_of(forms, form, ways)
+        if not np.isfinite(best.chi2) or (form.of_each and is_of_few(best, effect.id, self.problem.curves)):
             return None
         self._fits[key] = best
         return best
+
+    def _lowest_of(self, forms: Mapping[str, Form], new: Form, ways: Sequence[Sequence[Array]]) -> Fit:
+        """Return the fit of least cost: of each way's starts the one that leads on, after a few steps, to its end.
+
+        Of all starts where the ``new`` form takes over from the law: there a few steps do not tell.
+        """
+        if new.takes_over:
+            ways = [[start] for way in ways for start in way]
+        tries = [descent(self.problem, self.noise, forms, way, coarse=True) for way in ways]
+        return min(tries, key=lambda one: one.cost).fit(self.noise)
 
     def evidence(self, smaller: Candidate, larger: Candidate) -> Evidence:
         """Return what the terms of ``larger`` that ``smaller`` lacks are worth, both at their own optimum."""
@@ -337,7 +346,7 @@ class Search:
             together = float(away @ inverse(new.covariance[place, place] * scale**2, 1e-10) @ away)
             if not np.any(np.abs(away) > TOLD * sd) and together < TOLD**2 + TOLD * len(sd):
                 return False
-            if form.of_each and _is_of_few(new, name, self.problem.curves):
+            if form.of_each and is_of_few(new, name, self.problem.curves):
                 return False
         return True
 
@@ -368,32 +377,3 @@ def _greatest(values: Iterable[tuple[str, float]]) -> dict[str, float]:
     for name, value in values:
         found[name] = max(found.get(name, -np.inf), value)
     return found
-
-
-def _is_of_few(fitted: Fit, name: str, curves: Sequence[Curve]) -> bool:
-    """Whether fewer than half of the specimens differ in a term that gives each of them a constant.
-
-    What one or two of them have is what the model lacks there, not an effect of its own; unless they differ from those
-    that were led alike.
-    """
-    start = fitted.place(name).start
-    place = slice(start, start + len(fitted.forms[name].each))
-    scale = np.sqrt(max(fitted.chi2 / max(len(fitted.residual) - len(fitted.x), 1), 1.0))
-    # Each further one is told by what it has more than the first: what all have may be known far worse.
-    of = np.eye(place.stop - place.start)
-    of[1:, 0] = 1.0
-    values, covariance = of @ fitted.x[place], scale**2 * of @ fitted.covariance[place, place] @ of.T
-    led = np.array([curve.setup for curve in pulls(curves)])
-    alike = led[:, None] == led
-    about = np.eye(len(values)) - alike / alike.sum(axis=1)
-    apart = about @ values
-    free = len(values) - len({*led})
-    odd = float(apart @ inverse(about @ covariance @ about.T, 1e-9) @ apart)
-    if free and chdtrc(free, odd) < UNLIKELY:
-        return False
-    order = np.argsort(values)
-    about = np.eye(len(values))
-    about -= about[order[(len(order) - 1) // 2 : len(order) // 2 + 1]].mean(axis=0)
-    sd = np.sqrt(np.maximum(np.einsum("ki,ij,kj->k", about, covariance, about), 0.0))
-    odd = np.abs(about @ values) > TOLD * sd
-    return bool(np.count_nonzero(odd) < 0.5 * len(values))

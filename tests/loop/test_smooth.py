@@ -203,7 +203,7 @@ def test_what_goes_on_straight_has_the_slopes_it_says(order: int) -> None:
     np.testing.assert_allclose(straight(spline, x, order), (ahead - behind) / (2.0 * step), rtol=1e-7, atol=1e-7)
 
 
-@pytest.mark.parametrize("name", ["smooth", "smooth-mixed", "smooth-close"])
+@pytest.mark.parametrize("name", ["smooth", "smooth-mixed", "smooth-strain", "smooth-close"])
 def test_a_smooth_elastic_law_is_one_energy(name: str) -> None:
     """Stress is the slope of the energy, also beyond its reach, and the sheet without stretch has none."""
     l1, l2, step = np.array([1.0, 1.05, 1.2, 1.5, 1.9]), np.array([1.0, 0.99, 0.9, 1.1, 0.8]), 1e-6

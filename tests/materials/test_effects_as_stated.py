@@ -659,7 +659,8 @@ ELSEWHERE = (
 NOT_HERE = {
     ("hysteresis", "smooth"), ("permanent-set", "smooth"), ("elastic-law", "smooth"),
     ("elastic-law", "smooth-close"), ("elastic-law", "smooth-mixed"), ("elastic-law", "smooth-each-way"),
-    ("elastic-law", "smooth-close-each-way"),
+    ("elastic-law", "smooth-close-each-way"), ("elastic-law", "smooth-strain-each-way"),
+    ("elastic-law", "smooth-strain"),
     ("permanent-set", "smooth-flow"),
     ("compressibility", "uniform-smooth"), ("compressibility", "slope-smooth"),
     ("compressibility", "directions-smooth"), ("compressibility", "slanted-smooth"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 
 #: What the name of a form ends with whose constants along warp and weft differ.
 EACH_WAY = "-each-way"
-#: Strains, over the largest, at which a smooth law has its values: closer together near rest.
-CLOSE = tuple(((1.0 + CLOSER) ** (k / 6.0) - 1.0) / CLOSER for k in range(1, 7))
+#: Strains, over the largest, at which a smooth law has its values, closer together near rest; and those of older ones.
+STRAINS = tuple(float(s) for s in (3.0 ** (np.arange(1, 10) / 9.0) - 1.0) / 2.0)
+_CLOSE_TO_REST = tuple(float(s) for s in ((1.0 + CLOSER) ** (np.arange(1, 7) / 6.0) - 1.0) / CLOSER)
 
 
 @dataclass(frozen=True)
@@ -78,9 +79,10 @@ class Added:
             lately=self.lately,
         )
 
-    def each_way(self) -> Added:
-        """Return the form with other constants along the weft, all but its shape: see ``along``."""
-        return Added((*self.names, *(of_weft(name) for name in self.linear)), self.terms)
+    def each_way(self, *shape: str) -> Added:
+        """Return the form with other constants along the weft, all but its shape, or that too: see ``along``."""
+        others = (of_weft(name) for name in self.names if name in (*self.linear, *shape))
+        return Added((*self.names, *others), self.terms)
 
 
 def of_weft(name: str) -> str:
@@ -89,7 +91,8 @@ def of_weft(name: str) -> str:
     >>> of_weft("C01_MPa")
     'C01_weft_MPa'
     """
-    return f"{name.removesuffix('_MPa')}_weft_MPa"
+    stem = name.removesuffix("_MPa")
+    return f"{stem}_weft{name.removeprefix(stem)}"
 
 
 def _power(sheet: Sheet, n: float) -> Term:
@@ -144,24 +147,28 @@ def _smooth_mixed(sheet: Sheet, reach: float) -> list[Term]:
     return [*_smooth(sheet, reach), *_second_invariant(sheet)[1:]]
 
 
-def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
-    """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``CLOSE``."""
-    stored, slopes = _close()
+def _smooth_in_strain(strains: tuple[float, ...], sheet: Sheet, reach: float) -> list[Term]:
+    """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``strains``."""
+    stored, slopes = _in_strain(strains)
     s = np.sqrt(np.maximum(sheet.x, 0.0) / reach)
     energy, slope, rate = (np.moveaxis(values, -1, 0) for values in (stored(s), slopes(s), slopes(s, 1)))
     # At rest I1 does not change with the strain: what its second derivative is there does not matter.
     per = 2.0 * reach * np.maximum(s, 1e-9)
-    terms: list[Term] = [of_I1(reach * w, w1, w11 / per) for w, w1, w11 in zip(energy, slope, rate, strict=True)]
-    return [*terms, *_of_other_modes(sheet)]
+    return [of_I1(reach * w, w1, w11 / per) for w, w1, w11 in zip(energy, slope, rate, strict=True)]
 
 
-@lru_cache(maxsize=1)
-def _close() -> tuple[PPoly, PPoly]:
-    """Return the energies over ``reach`` and slopes (6) by s, the root of x over ``reach``; slopes go on straight."""
+def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
+    return [*_smooth_in_strain(_CLOSE_TO_REST, sheet, reach), *_of_other_modes(sheet)]
+
+
+@lru_cache(maxsize=2)
+def _in_strain(strains: tuple[float, ...]) -> tuple[PPoly, PPoly]:
+    """Return the energies over ``reach`` and slopes (k) by s, the root of x over ``reach``; slopes go on straight."""
     from scipy.interpolate import CubicSpline, PPoly
 
-    spline = CubicSpline((0.0, *CLOSE), np.eye(7)[:, 1:], bc_type="natural")
-    end = np.stack([np.zeros(6), np.zeros(6), spline(1.0, 1), spline(1.0)])[:, None]
+    count = len(strains)
+    spline = CubicSpline((0.0, *strains), np.eye(count + 1)[:, 1:], bc_type="natural")
+    end = np.stack([np.zeros(count), np.zeros(count), spline(1.0, 1), spline(1.0)])[:, None]
     slopes = PPoly(np.concatenate([spline.c, end], axis=1), [*spline.x, 2.0])
     # dx = reach d(s^2): the slope times 2 s, s being its beginning and what is beyond that in each piece.
     begin = np.asarray(slopes.x[:-1])[:, None]
@@ -195,6 +202,7 @@ _TOE = Added(("D_MPa", "at", "width"), _straightening)
 _FUNG = Added(("D_MPa", "b"), _exponential)
 _SECOND = Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant)
 _CLOSE = Added(("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close).and_log()
+_STRAIN = Added(("reach", *(f"D_{k}_MPa" for k in range(1, len(STRAINS) + 1))), partial(_smooth_in_strain, STRAINS))
 _SMOOTH = Added(
     ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
 ).and_log()
@@ -217,6 +225,9 @@ FORMS: Mapping[str, Added] = {
     "smooth-mixed": Added(
         ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa", "C11_MPa", "C02_MPa"), _smooth_mixed
     ).and_log(),
+    "smooth-strain": _STRAIN,
+    f"smooth-strain{EACH_WAY}": _STRAIN.each_way("reach"),
+    # Of older documents.
     "smooth-close": _CLOSE,
     f"smooth-close{EACH_WAY}": _CLOSE.each_way(),
     "straightening-log": _TOE.and_log(),
@@ -248,8 +259,9 @@ def _along(form: str, weft: bool) -> tuple[str, tuple[int, ...] | None]:
     one = form.removesuffix(EACH_WAY)
     if one == form:
         return form, None
-    names, plain = FORMS[form].names, FORMS[one]
-    return one, tuple(names.index(of_weft(name) if weft and name in plain.linear else name) for name in plain.names)
+    places = {name: place for place, name in enumerate(FORMS[form].names)}
+    names = FORMS[one].names
+    return one, tuple(places.get(of_weft(name), places[name]) if weft else places[name] for name in names)
 
 
 def richer(material: Material, form: str, constants: Mapping[str, float], *, weft: bool = False) -> Material:

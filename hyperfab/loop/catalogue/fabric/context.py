@@ -54,6 +54,11 @@ class DataContext:
         """Largest strain in the data, of what was pressed that of a pull as far."""
         return max(float(np.max(self.path.outward.stretch)) - 1.0, 1e-3)
 
+    def reach_along(self, weft: bool) -> float:
+        """Largest strain of what was pulled along the warp or the ``weft``, or between."""
+        share = np.abs(self.path.weft_share - (not weft))
+        return max(float(np.max(self.path.outward.stretch[share > 1e-6], initial=1.0)) - 1.0, 1e-3)
+
     @property
     def reach_of_grips(self) -> float:
         """Largest strain in the data, as length in the first specimen whose length is stated."""

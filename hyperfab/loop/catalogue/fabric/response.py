@@ -10,7 +10,7 @@ import numpy as np
 from hyperfab.loop.catalogue import softening
 from hyperfab.loop.catalogue.fabric.context import DataContext
 from hyperfab.loop.problem import HAS_IT, Constant, Effect, Form, fixed, freely, tried_if
-from hyperfab.materials.effects.elastic_law import EACH_WAY, of_weft
+from hyperfab.materials.effects.elastic_law import EACH_WAY, FORMS, STRAINS, of_weft
 from hyperfab.materials.effects.threads import GROUND
 from hyperfab.materials.hyperfoam import ORDERS, HyperfoamLaw
 
@@ -210,7 +210,7 @@ def elastic_law(context: DataContext) -> Effect:
     if isinstance(context.law, HyperfoamLaw):
         return _more_of_a_foam(context, ORDERS[context.law.name])
     size = context.peak_stress
-    far = (1.0 + context.reach) ** 2 + 2.0 / (1.0 + context.reach) - 3.0
+    far = _x(context.reach)
     # How large a modulus is by the power of I1 - 3 it stands before.
     square, cube, log, fourth = (
         Constant(name, 0.0, scale=0.1 * size / far**power)
@@ -257,22 +257,27 @@ def elastic_law(context: DataContext) -> Effect:
     for one in (ogden, exponential):
         start = (*one.starts[0], 0.01 * size)
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
-    # Other kinds of tests hold a law that one kind would leave free: there it may bend where it likes.
+    # What an energy has beside a function of I1 is told by tests of several kinds; of one kind it would be anything.
+    beside, single = (mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size)), context.has_one_mode
     smooths = []
-    for name, count, more, tried in (
-        ("smooth-close", 6, (), context.has_one_mode),
-        ("smooth", 5, (), not context.has_one_mode),
-        ("smooth-mixed", 5, both[1:], not context.has_one_mode),
+    for name, count, more, tried, turns in (
+        ("smooth-strain", len(STRAINS), (), single, single),
+        ("smooth", 5, (*beside, log), not single, not single),
+        ("smooth-mixed", 5, (*beside, *both[1:], log), not single, False),
+        ("smooth-close", 6, (*beside, log), False, False),  # of older documents
     ):
-        slopes = [Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)]
-        free = (*slopes, mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size), *more, log)
-        start = (far, *(0.01 * size for _ in free))
-        alike = freely(forms, name, (fixed("reach", far), *free), start)
+        free = (*(Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)), *more)
+        alike = freely(forms, name, (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
         smooths += tried_if(tried, alike)
-        if not more:
-            weft = (replace(one, name=of_weft(one.name)) for one in free)
-            each = freely([*forms, alike], f"{name}{EACH_WAY}", (*alike.constants, *weft), (*start, *start[1:]))
-            smooths += tried_if(tried and context.directions, each)
+        if f"{name}{EACH_WAY}" in FORMS:
+            ends = [fixed("reach", far)]
+            if not more:  # each way to where it was pulled itself: beyond that nothing tells a value
+                ways = {"reach": False, of_weft("reach"): True}
+                ends = [fixed(end, _x(context.reach_along(weft))) for end, weft in ways.items()]
+            weft = (replace(constant, name=of_weft(constant.name)) for constant in free)
+            each = (ends[0], *free, *ends[1:], *weft)
+            start = tuple(constant.value or 0.01 * size for constant in each)
+            smooths += tried_if(turns and context.directions, freely([*forms, alike], f"{name}{EACH_WAY}", each, start))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
@@ -280,6 +285,11 @@ def elastic_law(context: DataContext) -> Effect:
         source="Yeoh (1993), doi:10.5254/1.3538343; Fung (1967); Gent & Thomas (1958), doi:10.1002/pol.1958.1202811814",
         forms=(*forms, *smooths),
     )
+
+
+def _x(strain: float) -> float:
+    """Return I1 - 3 of a strip pulled to a strain."""
+    return (1.0 + strain) ** 2 + 2.0 / (1.0 + strain) - 3.0
 
 
 def _more_of_a_foam(context: DataContext, n: int) -> Effect:
