@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 #: What the name of a form ends with whose constants along warp and weft differ.
 EACH_WAY = "-each-way"
-#: Strains, over the largest, at which a smooth law has its values, closer together near rest; and those of older ones.
+#: Strains, over the largest, at which a smooth law has its values, closer together near rest; and where tests along
+#: both axes tell it.
 STRAINS = tuple(float(s) for s in (3.0 ** (np.arange(1, 10) / 9.0) - 1.0) / 2.0)
 _CLOSE_TO_REST = tuple(float(s) for s in ((1.0 + CLOSER) ** (np.arange(1, 7) / 6.0) - 1.0) / CLOSER)
 
@@ -227,7 +228,6 @@ FORMS: Mapping[str, Added] = {
     ).and_log(),
     "smooth-strain": _STRAIN,
     f"smooth-strain{EACH_WAY}": _STRAIN.each_way("reach"),
-    # Of older documents.
     "smooth-close": _CLOSE,
     f"smooth-close{EACH_WAY}": _CLOSE.each_way(),
     "straightening-log": _TOE.and_log(),

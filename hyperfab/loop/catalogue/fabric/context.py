@@ -153,6 +153,12 @@ class DataContext:
         return self.has_one_mode and not several
 
     @property
+    def led_alike(self) -> bool:
+        """Whether one stretch tells the others in all tests, but for how a strip contracts: they are of one kind, and
+        not of two axes pulled each in its way."""
+        return len(np.unique(self.path.mode)) < 2 and not np.any(self.path.mode == GENERAL)
+
+    @property
     def has_one_mode(self) -> bool:
         """Whether all tests are of one kind, and their stretch is all that was read."""
         return len(np.unique(self.path.mode)) < 2 and not self.transverse

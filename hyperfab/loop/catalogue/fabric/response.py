@@ -258,13 +258,14 @@ def elastic_law(context: DataContext) -> Effect:
         start = (*one.starts[0], 0.01 * size)
         forms.append(Form(f"{one.name}-log", (*one.constants, log), (start,), refines=one.name))
     # What an energy has beside a function of I1 is told by tests of several kinds; of one kind it would be anything.
-    beside, single = (mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size)), context.has_one_mode
+    beside, single = (mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size)), context.led_alike
+    two_axes, several = context.has_one_mode and not single, not (context.has_one_mode or single)
     smooths = []
     for name, count, more, tried, turns in (
         ("smooth-strain", len(STRAINS), (), single, single),
-        ("smooth", 5, (*beside, log), not single, not single),
-        ("smooth-mixed", 5, (*beside, *both[1:], log), not single, False),
-        ("smooth-close", 6, (*beside, log), False, False),  # of older documents
+        ("smooth-close", 6, (*beside, log), two_axes, two_axes),
+        ("smooth", 5, (*beside, log), several, several),
+        ("smooth-mixed", 5, (*beside, *both[1:], log), several, False),
     ):
         free = (*(Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)), *more)
         alike = freely(forms, name, (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
