@@ -13,6 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.membrane.meshing import Triangles
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.blocks import BlockPattern
+from hyperfab.surface.topology import sides
 
 #: Dunavant's rules of degree 4 (six points) and 1, in area coordinates (Int. J. Numer. Meth. Engng 21 (1985) 1129).
 _A, _B = 0.445948490915965, 0.091576213509771
@@ -105,10 +106,7 @@ def sheet_mesh(outline: Outline, triangles: Triangles, order: int = 2) -> SheetM
     edge_kind = arcs[triangles.edge_arc]
     edge_nodes = triangles.edges
     if order == 2:
-        middles, numbers = _edge_middles(elements, len(nodes))
-        points = 0.5 * (nodes[middles[:, 0]] + nodes[middles[:, 1]])
-        position = _lookup(middles, triangles.edges)
-        points[position] = _on_arcs(outline, triangles)
+        points, numbers, position = _middles(outline, triangles)
         elements = np.hstack([elements, numbers + len(nodes)])
         edge_nodes = np.column_stack([triangles.edges, position + len(nodes)])
         nodes = np.concatenate([nodes, points])
@@ -123,10 +121,7 @@ def sheet_mesh(outline: Outline, triangles: Triangles, order: int = 2) -> SheetM
 
 def halved(outline: Outline, coarse: Triangles) -> Triangles:
     """Return each triangle divided into four by halving its sides; halves of the boundary lie on the outline."""
-    middles, numbers = _edge_middles(coarse.triangles, len(coarse.points))
-    points = 0.5 * (coarse.points[middles[:, 0]] + coarse.points[middles[:, 1]])
-    position = _lookup(middles, coarse.edges)
-    points[position] = _on_arcs(outline, coarse)
+    points, numbers, position = _middles(outline, coarse)
     a, b, c = coarse.triangles.T
     ab, bc, ca = (numbers + len(coarse.points)).T
     parts = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
@@ -178,28 +173,18 @@ def _cross(u: Array, v: Array) -> Array:
     return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
 
-def _edge_middles(elements: Ints, corners: int) -> tuple[Ints, Ints]:
-    """Number the edges: their end nodes (k, 2), and for each element its three edges (m, 3)."""
-    ends = np.sort(elements[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    keys, inverse = np.unique(ends[:, 0] * corners + ends[:, 1], return_inverse=True)
-    return np.column_stack([keys // corners, keys % corners]), inverse.reshape(-1, 3)
-
-
-def _lookup(middles: Ints, edges: Ints) -> Ints:
-    corners = int(max(middles.max(), edges.max())) + 1
-    keys = middles[:, 0] * corners + middles[:, 1]
-    wanted = np.sort(edges, axis=1)
-    return np.searchsorted(keys, wanted[:, 0] * corners + wanted[:, 1])
-
-
-def _on_arcs(outline: Outline, triangles: Triangles) -> Array:
-    """Return the middle of each boundary edge, on the arc."""
-    ends = triangles.points[triangles.edges]
-    middle = ends.mean(axis=1)
+def _middles(outline: Outline, triangles: Triangles) -> tuple[Array, Ints, Ints]:
+    """Return the middles (k, 2) of all edges, those of boundary edges on their arcs; which are of the three edges of
+    each triangle (m, 3), and which of each boundary edge."""
+    count = len(triangles.points)
+    ends, numbers = sides(triangles.triangles, count)
+    points = 0.5 * (triangles.points[ends[:, 0]] + triangles.points[ends[:, 1]])
+    place = np.array([count, 1])
+    position = np.searchsorted(ends @ place, np.sort(triangles.edges, axis=1) @ place)
     for number, arc in enumerate(outline.arcs):
         mine = triangles.edge_arc == number
-        middle[mine] = arc.between(ends[mine])
-    return np.asarray(middle)
+        points[position[mine]] = arc.between(triangles.points[triangles.edges[mine]])
+    return points, numbers, position
 
 
 def _gradients(nodes: Array, elements: Ints, order: int) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from hyperfab.errors import InputError
 from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.threads import for_nodes
+from hyperfab.surface.topology import sides
 
 #: Wanted edge length [mm] at points (n, 2).
 SizeField = Callable[[Array], Array]
@@ -85,10 +86,9 @@ def _joined(found: Triangles, rim: int) -> Triangles:
 
 def _has_rim(found: Triangles) -> bool:
     """Whether each edge of the rim is a side of exactly one triangle, and no other side is lonely."""
-    sides = np.sort(found.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-    keys, count = np.unique(sides[:, 0] * len(found.points) + sides[:, 1], return_counts=True)
-    rim = np.sort(found.edges, axis=1)
-    return np.array_equal(keys[count == 1], np.unique(rim[:, 0] * len(found.points) + rim[:, 1]))
+    ends, number = sides(found.triangles, len(found.points))
+    lonely = ends[np.bincount(number.ravel()) == 1]
+    return np.array_equal(lonely, np.unique(np.sort(found.edges, axis=1), axis=0))
 
 
 def _within(outline: Outline, points: Array, rim: int) -> Ints:

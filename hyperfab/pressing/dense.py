@@ -10,6 +10,7 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import Curving, Drawn, barycentric, creases, curving
 from hyperfab.pressing.mold import LOOKING
 from hyperfab.surface import Surface
+from hyperfab.surface.topology import sides
 
 #: Edges of facets are no longer than this part of the mold's size: what goes as a parabola from the mold's middle to
 #: its ends is met to 1/400 of its height between the corners.
@@ -76,20 +77,13 @@ def _size(surface: Surface) -> float:
     return float(np.ptp(surface.vertices, axis=0).max())
 
 
-def _sides(faces: Ints, count: int) -> tuple[Ints, Ints]:
-    """Return the ends (e, 2) of the edges of ``count`` vertices' faces (m, 3), and which are ab, bc, ca of each."""
-    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, number = np.unique(sides @ np.array([count, 1]), return_inverse=True)
-    return np.stack(np.divmod(edges, count), axis=1), number.reshape(-1, 3)
-
-
 def _straightened(curve: Curving) -> Curving:
     """Return the curving with edges straight of which one end tells less than the other: those of flat facets, but for
     creases, and those that start at a crease, where normals are of one side, and end away from any."""
     surface = curve.surface
     flat = ((curve.normals * surface.normals[:, None]).sum(axis=2) > np.cos(_LEVEL)).any(axis=1)
     creased = creases(surface)
-    ends, number = _sides(surface.faces, len(surface.vertices))
+    ends, number = sides(surface.faces, len(surface.vertices))
     straight = np.bincount(number[flat][~creased[flat]], minlength=len(ends)) > 0
     on_crease = np.zeros(len(surface.vertices), dtype=bool)
     on_crease[ends[number[creased]]] = True
@@ -101,7 +95,7 @@ def _straightened(curve: Curving) -> Curving:
 def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) -> tuple[Array, Ints, Ints, bool]:
     """Return vertices, faces and the facets ``of`` which they are parts, each edge of a ``chosen`` face that is too
     long cut in its middle; and whether any was."""
-    ends, number = _sides(faces, len(vertices))
+    ends, number = sides(faces, len(vertices))
     long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + 1e-9)
     long &= np.bincount(number[chosen].ravel(), minlength=len(ends)) > 0
     if not long.any():

@@ -29,6 +29,18 @@ def corner_angles(vertices: Array, faces: Ints) -> Array:
     return out
 
 
+def sides(faces: Ints, vertices: int) -> tuple[Ints, Ints]:
+    """Return the ends (e, 2) of the edges of faces (m, 3), in rising order, and which are ab, bc, ca of each (m, 3).
+
+    >>> ends, number = sides(np.array([[0, 1, 2], [2, 1, 3]]), 4)
+    >>> ends.tolist(), number.tolist()
+    ([[0, 1], [0, 2], [1, 2], [1, 3], [2, 3]], [[0, 2, 1], [2, 3, 4]])
+    """
+    ends = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    keys, number = np.unique(ends @ np.array([vertices, 1]), return_inverse=True)
+    return np.stack(np.divmod(keys, vertices), axis=1), number.reshape(-1, 3)
+
+
 def incidence(faces: Ints, vertices: int) -> tuple[Ints, Ints]:
     """Facets at vertex v, in rising order: ``facets[first[v] : first[v + 1]]`` of (first, facets).
 

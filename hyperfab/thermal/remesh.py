@@ -19,6 +19,7 @@ from scipy.sparse.linalg import cg
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
+from hyperfab.surface.topology import sides
 from hyperfab.thermal.geometry import Body, Geometry, Stl
 from hyperfab.thermal.mesh import EDGES, oriented, twisted
 from hyperfab.thermal.mesher import RawMesh, mesh_surface
@@ -230,10 +231,9 @@ def _on(ends: Ints, triangles: Ints) -> Flags:
 def _curved(vertices: Array, triangles: Ints, onto: Surface) -> Surface:
     """Return the six-node facets with their edge nodes on a surface, each cut into PIECES squared flat ones."""
     count = len(triangles)
-    sides = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-    edges, number = np.unique(sides, axis=0, return_inverse=True)
+    edges, number = sides(triangles, len(vertices))
     nodes = np.concatenate([vertices, onto.nearest(vertices[edges].mean(axis=1)).point])
-    six = np.concatenate([triangles, len(vertices) + number.reshape(-1, 3)], axis=1)
+    six = np.concatenate([triangles, len(vertices) + number], axis=1)
     grid = [(i, j) for i in range(PIECES + 1) for j in range(PIECES + 1 - i)]
     place = {pair: number for number, pair in enumerate(grid)}
     b, c = np.array(grid).T / PIECES
