@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.surface import Surface
+from hyperfab.surface.topology import compact
 
 #: An edge that turns by more than this (radians) is meant to be sharp: its facets stand for no curved surface.
 SHARP = 0.45
@@ -70,11 +71,9 @@ class Rounded:
     def _parts(self) -> list[tuple[int, Surface]]:
         """The sides with an edge to round: number and surface."""
         side, meet = self._sides
-        found = []
-        for number in np.flatnonzero(meet.any(axis=1)):
-            used, corner = np.unique(self.surface.faces[side == number], return_inverse=True)
-            found.append((int(number), Surface(self.surface.vertices[used], corner.reshape(-1, 3))))
-        return found
+        faces, vertices = self.surface.faces, self.surface.vertices
+        edged = np.flatnonzero(meet.any(axis=1))
+        return [(int(number), Surface(*compact(vertices, faces[side == number]))) for number in edged]
 
     def near(self, points: Array, face: Ints) -> tuple[Ints, Array, Array, Array]:
         """Return which of the ``points`` (n, 3), next to the facets ``face`` (n,), see rounded edges, their gaps (k,),

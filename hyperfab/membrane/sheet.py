@@ -18,6 +18,7 @@ from hyperfab.membrane.kernels import assemble, strains
 from hyperfab.membrane.mesh import SheetMesh
 from hyperfab.membrane.tension_field import TAUT, Principal, Response, SheetLaw
 from hyperfab.numerics.threads import in_blocks
+from hyperfab.surface.topology import sides
 
 #: A clamp this much stiffer than the sheet holds: its force could not be told from the rounding of its slip.
 _RIGID = 1e-6
@@ -180,11 +181,10 @@ def rim_edges(mesh: SheetMesh) -> tuple[Ints, Ints, Ints]:
     """Return for each element edge on the rim its element (k,), nodes (k, 2 or 3), and their places in the element."""
     local = np.array([[0, 1, 3], [1, 2, 4], [2, 0, 5]])[:, : mesh.order + 1]
     nodes = mesh.elements[:, local]
-    ends = np.sort(nodes[:, :, :2], axis=2).reshape(-1, 2)
-    _, inverse, count = np.unique(ends[:, 0] * len(mesh.nodes) + ends[:, 1], return_inverse=True, return_counts=True)
+    _, number = sides(mesh.elements[:, :3], len(mesh.nodes))
     held = np.zeros(len(mesh.nodes), bool)
     held[mesh.rim] = True
-    mine = held[nodes].all(axis=2) & (count[inverse].reshape(-1, 3) == 1)
+    mine = held[nodes].all(axis=2) & (np.bincount(number.ravel())[number] == 1)
     element, edge = np.nonzero(mine)
     return element, nodes[element, edge], local[edge]
 

@@ -12,6 +12,7 @@ from hyperfab.pressing.curved import smooth_normals
 from hyperfab.pressing.gap import nearest_gap
 from hyperfab.pressing.mold import Mold
 from hyperfab.surface import Surface
+from hyperfab.surface.topology import compact
 
 #: The male must look up by at least this much, or it cannot be drawn out of the part.
 _DRAFT = 0.0
@@ -37,9 +38,8 @@ def constant_gap(female: Mold, gap: float | Array) -> Design:
     the place where the offset folds over itself (the female is hollowed more sharply than the gap allows) or would
     be undercut.
     """
-    used, faces = np.unique(female.front.faces, return_inverse=True)
-    front = Surface(female.vertices[used], faces.reshape(-1, 3))
-    each = np.broadcast_to(np.asarray(gap, dtype=float), len(used))
+    front = Surface(*compact(female.vertices, female.front.faces))
+    each = np.broadcast_to(np.asarray(gap, dtype=float), len(front.vertices))
     vertices = front.vertices + each[:, None] * smooth_normals(front)
     male = Surface(vertices, front.faces[:, ::-1])
     turned = (male.normals * front.normals).sum(axis=1) >= 0.0

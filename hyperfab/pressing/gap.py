@@ -119,9 +119,7 @@ def molding_front(male: Mold, female: Mold) -> Front:
         opposed = (face >= 0) & ((female.surface.normals[face] * normals).sum(axis=1) < 0.0)
         own, _ = surface.ray(centres + 1e-6 * normals, normals)
         chosen[upright[opposed & (t < own)]] = True
-    faces = male.faces[chosen]
-    used, renumbered = np.unique(faces, return_inverse=True)
-    faces = renumbered.reshape(-1, 3)
+    used, faces = np.unique(male.faces[chosen], return_inverse=True)
     part = Surface(male.vertices[used], faces)
     if male.drawn is None:
         return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))

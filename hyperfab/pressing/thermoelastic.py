@@ -78,7 +78,6 @@ def _assemble(mesh: TetraMesh, strain: Array, poisson: float) -> tuple[sparse.cs
     nodes, count = len(mesh.points), len(mesh.elements)
     pairs = (mesh.elements[:, :, None] * nodes + mesh.elements[:, None, :]).reshape(count, 100)
     keys, place = np.unique(pairs, return_inverse=True)
-    place = place.reshape(count, 100)
     data = np.zeros((len(keys), 3, 3))
     load = np.zeros((len(strain), nodes, 3))
     for start in range(0, count, _BLOCK):

@@ -78,9 +78,15 @@ def soundness(vertices: Array, faces: Ints) -> Soundness:
         flipped_facets=np.flatnonzero(same.any(1)),
         degenerate_facets=np.flatnonzero(area <= 1e-14 * scale * scale),
         duplicate_facets=duplicate,
-        bodies=int(connected_components(_adjacency(twin), directed=False)[0]),
+        bodies=bodies(twin)[0],
         volume_mm3=volume,
     )
+
+
+def bodies(twin: Ints) -> tuple[int, Ints]:
+    """Return how many pieces are connected over edges, given ``twin_edges``, and which each facet is of (m,)."""
+    count, label = connected_components(_adjacency(twin), directed=False)
+    return int(count), label
 
 
 def consistently_wound(faces: Ints) -> tuple[Ints, Ints]:
@@ -91,7 +97,7 @@ def consistently_wound(faces: Ints) -> tuple[Ints, Ints]:
     """
     twin, _, same = twin_edges(faces)
     graph = _adjacency(twin)
-    pieces, label = connected_components(graph, directed=False)
+    pieces, label = bodies(twin)
     turned = np.zeros(len(faces), bool)
     for piece in range(pieces if same.any() else 0):
         members = np.flatnonzero(label == piece)
@@ -115,7 +121,7 @@ def inside_out(vertices: Array, faces: Ints) -> Ints:
 
     ``vertices`` (n, 3) and ``faces`` (m, 3), wound alike within each piece.
     """
-    pieces, label = connected_components(_adjacency(twin_edges(faces)[0]), directed=False)
+    pieces, label = bodies(twin_edges(faces)[0])
     corners = vertices[faces]
     volume = np.bincount(label, np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])))
     turned = np.zeros(len(faces), bool)

@@ -41,6 +41,17 @@ def sides(faces: Ints, vertices: int) -> tuple[Ints, Ints]:
     return np.stack(np.divmod(keys, vertices), axis=1), number.reshape(-1, 3)
 
 
+def compact(vertices: Array, faces: Ints) -> tuple[Array, Ints]:
+    """Return the vertices that faces (m, 3) use, in rising order, and the faces among them.
+
+    >>> points, faces = compact(np.eye(3)[[0, 0, 1, 2]], np.array([[3, 0, 2]]))
+    >>> len(points), faces.tolist()
+    (3, [[2, 0, 1]])
+    """
+    used, small = np.unique(faces, return_inverse=True)
+    return vertices[used], small
+
+
 def incidence(faces: Ints, vertices: int) -> tuple[Ints, Ints]:
     """Facets at vertex v, in rising order: ``facets[first[v] : first[v + 1]]`` of (first, facets).
 

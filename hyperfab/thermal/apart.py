@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from hyperfab.arrays import Array, Ints
+from hyperfab.surface import Surface
+from hyperfab.surface.topology import compact
 from hyperfab.thermal.mesh import FACETS, HeatMesh
-
-if TYPE_CHECKING:
-    from hyperfab.surface import Surface
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,7 @@ def apart(mesh: HeatMesh) -> list[Apart]:
     found = []
     for number in (number for number in range(count) if number != largest):
         own = body[element] == number
-        here, there = (_facets(mesh.points, faces[which]) for which in (own, ~own))
+        here, there = (Surface(*compact(mesh.points, faces[which])) for which in (own, ~own))
         out, back = there.nearest(here.vertices), here.nearest(there.vertices)
         first, last = np.abs(out.distance).argmin(), np.abs(back.distance).argmin()
         gaps = abs(float(out.distance[first])), abs(float(back.distance[last]))
@@ -78,11 +75,3 @@ def barely(mesh: HeatMesh) -> list[tuple[int, int]]:
     has = sparse.coo_matrix((np.ones(corners.shape[1]), corners), shape=(count, mesh.vertices)).tocsr()
     shared = (has @ has.T).tocoo()
     return [(int(i), int(j)) for i, j in zip(shared.row, shared.col, strict=True) if i < j and label[i] != label[j]]
-
-
-def _facets(points: Array, faces: Ints) -> Surface:
-    """Return the surface that ``faces`` make, of the points they use alone."""
-    from hyperfab.surface import Surface  # 0.7 s to load, and seldom asked for
-
-    used, small = np.unique(faces, return_inverse=True)
-    return Surface(points[used], small.reshape(-1, 3).astype(np.int64))

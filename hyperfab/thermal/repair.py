@@ -11,14 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.errors import InputError
 from hyperfab.surface import Soundness, Surface, consistently_wound, soundness
-from hyperfab.surface.topology import twin_edges
+from hyperfab.surface.soundness import bodies
+from hyperfab.surface.topology import compact, twin_edges
 from hyperfab.surface.weld import WELDS, open_edges, rim, size_of, welded
 
 #: Those tried on the rims of gaps alone; gaps beyond the last are holes.
@@ -87,16 +86,13 @@ def pieces(vertices: Array, triangles: Ints) -> list[tuple[Array, Ints]]:
     >>> len(pieces(np.concatenate([corner, corner + 5]), np.concatenate([outward, outward + 4])))
     2
     """
-    twin, _, _ = twin_edges(triangles)
-    face = np.repeat(np.arange(len(triangles)), 3)
-    graph = sparse.coo_matrix((np.ones(len(face)), (face, twin.ravel())), shape=(len(triangles),) * 2)
-    count, label = connected_components(graph, directed=False)
+    count, label = bodies(twin_edges(triangles)[0])
     if count == 1:
         return [(vertices, triangles)]
     parts = [triangles[label == number] for number in range(count)]
     volumes = [soundness(vertices, part).volume_mm3 for part in parts]
     solid: dict[int, list[Ints]] = {i: [parts[i]] for i in range(count) if volumes[i] > 0.0}
-    outer = {i: Surface(*_used(vertices, parts[i])) for i in solid}
+    outer = {i: Surface(*compact(vertices, parts[i])) for i in solid}
     for i in range(count):
         if i in solid:
             continue
@@ -106,7 +102,7 @@ def pieces(vertices: Array, triangles: Ints) -> list[tuple[Array, Ints]]:
             solid[min(around, key=lambda j: volumes[j])].append(parts[i])
         else:
             solid[i] = [parts[i][:, ::-1].copy()]
-    return [_used(vertices, np.concatenate(faces)) for faces in solid.values()]
+    return [compact(vertices, np.concatenate(faces)) for faces in solid.values()]
 
 
 def crossing(vertices: Array, triangles: Ints) -> tuple[int, Array] | None:
@@ -182,11 +178,6 @@ def _stitched(points: Array, faces: Ints, distance: float) -> tuple[Ints, float,
     return faces, strayed, split
 
 
-def _used(vertices: Array, triangles: Ints) -> tuple[Array, Ints]:
-    used, small = np.unique(triangles, return_inverse=True)
-    return vertices[used], small.reshape(-1, 3).astype(np.int64)
-
-
 def _said(distance: float, moved: float, dropped: int, strayed: float, split: int) -> list[str]:
     notes = []
     if moved > 0.0:
@@ -206,7 +197,7 @@ def _outward(points: Array, faces: Ints, moved: float, notes: list[str], found: 
     if volume < 0.0:
         faces = faces[:, ::-1].copy()
         notes.append("the surface was inside out and was turned over")
-    return Repaired(*_used(points, faces), moved, tuple(notes))
+    return Repaired(*compact(points, faces), moved, tuple(notes))
 
 
 def _refusal(vertices: Array, triangles: Ints, found: Soundness, name: str) -> InputError:

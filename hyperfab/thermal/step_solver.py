@@ -154,7 +154,6 @@ class StepSolver:
         for condition in self.faces:
             nodes, blocks = condition.nodes, condition.tangent(time, temperature)
             own, number = np.unique(nodes, return_inverse=True)
-            number = number.reshape(nodes.shape)
             rows = np.repeat(number, nodes.shape[1], axis=1).ravel()
             columns = np.tile(number, (1, nodes.shape[1])).ravel()
             matrix = sparse.csr_matrix((blocks.ravel(), (rows, columns)), shape=(len(own), len(own)))

@@ -67,7 +67,6 @@ def _flat(points: Array) -> Array:
 def _loop(points: Array, edges: Ints) -> Array:
     """Join edges (k, 2) to one closed loop of points (k, 2)."""
     used, ends = np.unique(edges, return_inverse=True)
-    ends = ends.reshape(-1, 2)
     meeting = np.bincount(ends.ravel(), minlength=len(used))
     if len(edges) == 0 or (meeting != 2).any():
         open_at = points[used[np.argmax(meeting != 2)]] if len(edges) else np.zeros(2)

@@ -119,4 +119,4 @@ def _work_surface(problem: Problem, temperature: Array) -> tuple[Array, Ints, Ar
         nodes = problem.mesh.facet_nodes(problem.mesh.facets.outer)
     corners = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
     used, small = np.unique(nodes[:, corners].reshape(-1, 3), return_inverse=True)
-    return problem.mesh.points[used] * 1e3, small.reshape(-1, 3).astype(np.int64), temperature[used]
+    return problem.mesh.points[used] * 1e3, small, temperature[used]

@@ -209,7 +209,7 @@ def _part(grid: Grid, index: int) -> Grid:
     used, small = np.unique(elements, return_inverse=True)
     return Grid(
         grid.points[used],
-        {"tetra10": small.reshape(elements.shape)},
+        {"tetra10": small},
         {name: values[used] for name, values in grid.point_data.items()},
         {},
     )

@@ -64,7 +64,7 @@ def outside(grid: Grid) -> Surface:
         raise ValueError("the grid has no surface to show")
     faces = np.concatenate(triangles)
     used, compact = np.unique(faces, return_inverse=True)
-    return Surface(grid.points[used], compact.reshape(-1, 3), used, np.concatenate(cells), whole=len(faces))
+    return Surface(grid.points[used], compact, used, np.concatenate(cells), whole=len(faces))
 
 
 def thinned(surface: Surface, most: int = MAX_TRIANGLES) -> Surface:
