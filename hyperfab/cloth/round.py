@@ -14,6 +14,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
+from hyperfab.numerics.vectors import cross2
 
 #: Places in a cell, as shares of its sides along x and y: its middle, and its Gauss points as ``cells.py`` takes them.
 MIDDLE = np.array([[0.5, 0.5]])
@@ -56,7 +57,7 @@ def gradients(places: Array, rest: Array, points: Array) -> Array:
     one, two = np.diff(places, axis=0)[:, :, None] / rest[0], np.diff(places, axis=1)[:, :, None] / rest[1]
     one = one[:, :-1] * (1.0 - b)[:, None] + one[:, 1:] * b[:, None]
     two = two[:-1] * (1.0 - a)[:, None] + two[1:] * a[:, None]
-    det = one[..., 0] * two[..., 1] - one[..., 1] * two[..., 0]
+    det = cross2(one, two)
     return np.stack([two[..., 1] / det, -two[..., 0] / det, -one[..., 1] / det, one[..., 0] / det, det], axis=-1)
 
 

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.membrane.equilibrium import Press, State
 from hyperfab.membrane.mesh import SheetMesh, interpolate
+from hyperfab.numerics.vectors import cross2
 
 #: Nodes out to this many edge lengths beyond the edge take part.
 _WINDOW = 4.0
@@ -237,8 +238,7 @@ def _crossing(root: Array, touching: Flags, far: Ints, middle: Ints | None) -> A
 
 def _area(corner: Array, flags: Flags, part: Array) -> float:
     """Return the area inside of triangles (m, 3, 2) whose sides are crossed at ``part`` (m, 3) of their length."""
-    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    whole = 0.5 * np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+    whole = 0.5 * np.abs(cross2(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
     count = flags.sum(axis=1)
     share = np.where(count == 3, 1.0, 0.0)
     for lone in range(3):

@@ -13,6 +13,7 @@ from hyperfab.errors import InputError
 from hyperfab.membrane.meshing import Triangles
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.blocks import BlockPattern
+from hyperfab.numerics.vectors import cross2
 from hyperfab.surface.topology import sides
 
 #: Dunavant's rules of degree 4 (six points) and 1, in area coordinates (Int. J. Numer. Meth. Engng 21 (1985) 1129).
@@ -162,15 +163,11 @@ def _containing(corners: Array, centres: cKDTree, points: Array, count: int) -> 
     near = near.reshape(len(points), -1)
     a, b, c = (corners[near, i] for i in range(3))
     p = points[:, None, :]
-    area = np.stack([_cross(b - p, c - p), _cross(c - p, a - p), _cross(a - p, b - p)], axis=-1)
-    area /= _cross(b - a, c - a)[..., None]
+    area = np.stack([cross2(b - p, c - p), cross2(c - p, a - p), cross2(a - p, b - p)], axis=-1)
+    area /= cross2(b - a, c - a)[..., None]
     best = np.argmax(area.min(axis=-1), axis=1)
     row = np.arange(len(points))
     return near[row, best], area[row, best]
-
-
-def _cross(u: Array, v: Array) -> Array:
-    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
 
 def _middles(outline: Outline, triangles: Triangles) -> tuple[Array, Ints, Ints]:

@@ -18,6 +18,7 @@ from hyperfab.errors import InputError
 from hyperfab.membrane.kernels import polygon_distance
 from hyperfab.membrane.outline import Outline
 from hyperfab.numerics.threads import for_nodes
+from hyperfab.numerics.vectors import cross2
 from hyperfab.surface.topology import sides
 
 #: Wanted edge length [mm] at points (n, 2).
@@ -194,7 +195,7 @@ def _delaunay(points: Array) -> Ints:
     """Return the Delaunay triangles, anticlockwise, without the slivers between points on a straight edge."""
     triangles = Delaunay(points).simplices.astype(np.int64)
     a, b, c = (points[triangles[:, i]] for i in range(3))
-    double = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    double = cross2(b - a, c - a)
     triangles[double < 0] = triangles[double < 0][:, [0, 2, 1]]
     longest = np.max([((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a))], axis=0)
     return triangles[np.abs(double) > 1e-6 * longest]

@@ -12,6 +12,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.membrane.kernels import polygon_distance
+from hyperfab.numerics.vectors import cross2
 
 
 @dataclass(frozen=True)
@@ -233,9 +234,8 @@ class Polygon:
     def convex(self) -> bool:
         """Whether the outline turns left everywhere."""
         side = np.diff(np.vstack([self.vertices, self.vertices[:2]]), axis=0)
-        turn = side[:-1, 0] * side[1:, 1] - side[:-1, 1] * side[1:, 0]
         length = np.linalg.norm(side, axis=1)
-        return bool((turn >= -1e-9 * length[:-1] * length[1:]).all())
+        return bool((cross2(side[:-1], side[1:]) >= -1e-9 * length[:-1] * length[1:]).all())
 
     @property
     def symmetric(self) -> bool:
@@ -247,9 +247,7 @@ class Polygon:
     def inside(self, points: Array, margin: Array | float = 0.0) -> Flags:
         """Whether points (n, 2) lie inside by at least ``margin`` [mm]."""
         found = self._distance(points) >= margin
-        if self.quarter:
-            found &= (points[:, 0] >= margin) & (points[:, 1] >= margin)
-        return np.asarray(found)
+        return _in_quarter(found, points, margin) if self.quarter else np.asarray(found)
 
     def _distance(self, points: Array) -> Array:
         """Return the distance (n,) [mm] to the rim, positive inside."""
@@ -300,9 +298,7 @@ def crossing_sides(vertices: Array) -> tuple[int, int] | None:
 
 
 def _side(p: Array, q: Array, r: Array) -> Array:
-    return np.asarray(
-        (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
-    )
+    return cross2(q - p, r - p)
 
 
 def _pieces(points: Array, *, closed: bool) -> tuple[Arc | Chain, ...]:

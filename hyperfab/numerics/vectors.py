@@ -1,4 +1,4 @@
-"""Long vectors: inner products without BLAS, whose threads cost more than they bring and change sums; rows."""
+"""Long vectors: inner products without BLAS, whose threads cost more than they bring and change sums; rows; planes."""
 
 from __future__ import annotations
 
@@ -33,6 +33,15 @@ def norm(a: Array) -> float:
     5.0
     """
     return math.sqrt(dot(a, a))
+
+
+def cross2(u: Array, v: Array) -> Array:
+    """Return the cross products of vectors in the plane (..., 2): twice the area between them, positive to the left.
+
+    >>> float(cross2(np.array([1.0, 0.0]), np.array([5.0, 2.0])))
+    2.0
+    """
+    return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
 
 def rows(a: NDArray[N], places: Ints) -> NDArray[N]:

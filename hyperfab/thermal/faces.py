@@ -15,6 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.errors import InputError
+from hyperfab.numerics.vectors import cross2
 from hyperfab.thermal.elements import facet_weights
 from hyperfab.thermal.geometry import DIRECTIONS, Body, Box, Geometry, Shape, Stl
 from hyperfab.thermal.mesh import HeatMesh
@@ -128,11 +129,7 @@ class Faces:
 
     def inside(self, part: str, box: Box) -> FaceSet:
         """Return the facets of a part, walls of cavities included, that lie inside a box."""
-        names = [body.name for body in self.geometry.parts]
-        if part not in names:
-            near = ", ".join(difflib.get_close_matches(part, names, 3, 0.4) or names[:8])
-            raise InputError(f"there is no part {part!r}", remedy=f"the nearest names are {near}")
-        mask, flip = self._of_part(names.index(part))
+        mask, flip = self._of_part(self._number(part))
         low, high = box.bounds
         within = (self._centre >= low - self._tight) & (self._centre <= high + self._tight)
         mask &= within.all(axis=1)
@@ -142,19 +139,21 @@ class Faces:
 
     def interface(self, first: str, second: str) -> FaceSet:
         """Return the facets where two parts touch; the near side is the first part's."""
-        names = [body.name for body in self.geometry.parts]
-        for name in (first, second):
-            if name not in names:
-                near = ", ".join(difflib.get_close_matches(name, names, 3, 0.4) or names[:8])
-                raise InputError(f"there is no part {name!r}", remedy=f"the nearest names are {near}")
+        i, j = self._number(first), self._number(second)
         f = self.mesh.facets
         near_part = self.mesh.parts[f.element]
         far_part = np.where(f.outer, -1, self.mesh.parts[f.other])
-        i, j = names.index(first), names.index(second)
         mask = ((near_part == i) & (far_part == j)) | ((near_part == j) & (far_part == i))
         if not mask.any():
             raise InputError(f"parts {first!r} and {second!r} do not touch", remedy="check their places")
         return FaceSet(f"{first}/{second}", mask, near_part == j)
+
+    def _number(self, part: str) -> int:
+        names = [body.name for body in self.geometry.parts]
+        if part not in names:
+            near = ", ".join(difflib.get_close_matches(part, names, 3, 0.4) or names[:8])
+            raise InputError(f"there is no part {part!r}", remedy=f"the nearest names are {near}")
+        return names.index(part)
 
     def _of(self, name: str) -> tuple[Flags, Flags]:
         """Return the facets of a part, cavity or shape, and where its outside is the facet's far side."""
@@ -236,14 +235,10 @@ def _covered(points: Array, heights: Array, triangles: Array, triangle_heights: 
     for start in range(0, len(triangles), 256):
         t = triangles[start : start + 256]
         inside = np.ones((len(points), len(t)), dtype=bool)
-        turn = _cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
+        turn = cross2(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0])
         for i in range(3):
             edge = t[:, (i + 1) % 3] - t[:, i]
-            inside &= _cross(edge[None], points[:, None] - t[None, :, i]) * np.sign(turn) > 0
+            inside &= cross2(edge[None], points[:, None] - t[None, :, i]) * np.sign(turn) > 0
         higher = triangle_heights[start : start + 256][None] > heights[:, None]
         covered |= (inside & higher).any(axis=1)
     return covered
-
-
-def _cross(a: Array, b: Array) -> Array:
-    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

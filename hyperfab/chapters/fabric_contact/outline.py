@@ -14,6 +14,7 @@ from hyperfab.io.csv_table import read_table
 from hyperfab.io.mesh_file import SUFFIXES, lonely, read_mesh_file
 from hyperfab.io.units import column_factor
 from hyperfab.membrane.outline import Polygon, crossing_sides, signed_area
+from hyperfab.numerics.vectors import cross2
 
 #: Heights within this part of the size count as one plane; points this close count as one.
 _FLAT, _SAME = 1e-5, 1e-7
@@ -125,6 +126,5 @@ def _checked(loop: Array, size: float | None) -> Polygon:
 def _between(loop: Array) -> Flags:
     """Whether points lie straight between their neighbours: they say nothing of the outline."""
     back, on = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
-    turn = back[:, 0] * on[:, 1] - back[:, 1] * on[:, 0]
-    forward = (back * on).sum(axis=1) > 0.0
-    return np.asarray((np.abs(turn) <= 1e-9 * np.linalg.norm(back, axis=1) * np.linalg.norm(on, axis=1)) & forward)
+    level = np.abs(cross2(back, on)) <= 1e-9 * np.linalg.norm(back, axis=1) * np.linalg.norm(on, axis=1)
+    return np.asarray(level & ((back * on).sum(axis=1) > 0.0))
