@@ -1,7 +1,8 @@
 """What conditions are to the rest: heat flows into the body, and how they change with temperature.
 
 Heaters, convection, radiation and contact; conditions that act for a while, a film on a face that is bare, a piece
-that lies on it; and parts that are taken out and replaced by fresh ones, the cold sandwich of each press cycle.
+that lies on it; nodes held at a temperature; and parts that are taken out and replaced by fresh ones, the cold
+sandwich of each press cycle.
 """
 
 from __future__ import annotations
@@ -292,3 +293,16 @@ class Thermostat:
     def switch(self) -> None:
         """Turn the heater off or on."""
         self.heater.on = not self.heater.on
+
+
+@dataclass(frozen=True)
+class Prescribed:
+    """Nodes (k,) held at ``value`` [degC] against time."""
+
+    name: str
+    nodes: Ints
+    value: Table
+
+    def apply(self, time: float, temperature: Array) -> None:
+        """Set the held nodes of ``temperature`` in place."""
+        temperature[self.nodes] = self.value.at(time)

@@ -19,10 +19,9 @@ from hyperfab.errors import NotConverged
 from hyperfab.numerics.product import product
 from hyperfab.numerics.vectors import dot, norm
 from hyperfab.thermal.assembly import Pattern, add
-from hyperfab.thermal.condition import Condition, Heater
+from hyperfab.thermal.condition import Condition, Heater, Prescribed
 from hyperfab.thermal.medium import Medium, ThermalMaterial
 from hyperfab.thermal.mesh import HeatMesh
-from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.step_solver import StageEquation, StepSolver
 
 #: A stage is solved when its residual has fallen to this share, is as small as rounding makes it (per degree), or a

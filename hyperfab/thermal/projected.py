@@ -15,11 +15,10 @@ from scipy import linalg, sparse
 
 from hyperfab.arrays import Array
 from hyperfab.errors import NotConverged
-from hyperfab.thermal.condition import Condition, Contact, Convection, Heater, Radiation
+from hyperfab.thermal.condition import Condition, Contact, Convection, Heater, Prescribed, Radiation
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.medium import Medium
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.trail import Lift
 
 

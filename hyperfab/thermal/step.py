@@ -15,7 +15,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags
 from hyperfab.numerics.vectors import norm
-from hyperfab.thermal.prescribed import Prescribed
+from hyperfab.thermal.condition import Prescribed
 
 GAMMA = 1.0 - 1.0 / math.sqrt(2.0)
 

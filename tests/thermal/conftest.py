@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hyperfab.thermal.condition import Convection, Heater, Radiation
+from hyperfab.thermal.condition import Convection, Heater, Prescribed, Radiation
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Body, Box, Geometry
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import EDGES, HeatMesh, build_mesh
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.tables import Table
 
 

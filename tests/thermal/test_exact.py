@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hyperfab.thermal.condition import Contact, Convection
+from hyperfab.thermal.condition import Contact, Convection, Prescribed
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.transient import Schedule, run
 

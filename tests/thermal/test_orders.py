@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from hyperfab.thermal import elements
-from hyperfab.thermal.condition import Condition
-from hyperfab.thermal.prescribed import Prescribed
+from hyperfab.thermal.condition import Condition, Prescribed
 from hyperfab.thermal.step import initial_state, take_step
 from hyperfab.thermal.tables import Table
 from hyperfab.thermal.transient import Schedule, run

@@ -12,12 +12,11 @@ from hyperfab.arrays import Flags
 from hyperfab.chapters.mold_heat.tables import EXPOSED
 from hyperfab.documents.mold import FacesInBox, HeaterSection, MoldDocument, Place
 from hyperfab.errors import InputError, placed
-from hyperfab.thermal.condition import Condition, Contact, Convection, Heater, Radiation, Switched
+from hyperfab.thermal.condition import Condition, Contact, Convection, Heater, Prescribed, Radiation, Switched
 from hyperfab.thermal.faces import Faces, FaceSet
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Box
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.prescribed import Prescribed
 from hyperfab.thermal.tables import Table
 
 
