@@ -145,7 +145,6 @@ class Balance:
             self.press,
             self.f,
             self.r,
-            self.strongest,
             self.model.springs,
             self.model.ways[:, 12],
             self.model.over(now.x),

@@ -56,7 +56,6 @@ class Equilibrium:
     press: Array  # (n, m) N
     force: Array  # (n, m, 3) N spring forces and weight
     residual: Array  # (n, m, 3) N
-    largest_force: float
     bent: Ints  # (k, 4) springs laid over sharp edges: node, direction, crease
     bent_length: Array  # (k,) mm
     bent_at: Array  # (k, 3) mm, where they run over the edge

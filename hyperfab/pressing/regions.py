@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -64,12 +64,7 @@ def _regions(
     pair = np.concatenate(links, axis=1)
     graph = coo_array((np.ones(pair.shape[1], dtype=np.int8), (pair[0], pair[1])), shape=(count, count))
     _, label = connected_components(graph.tocsr(), directed=False)
-    owner = label[part.face]
-
-    def total(density: Array) -> Array:
-        sums = np.bincount(owner, weights=(density * part.area).sum(axis=1), minlength=count)
-        return np.asarray(sums, dtype=float)
-
+    total = partial(replace(part, face=label[part.face]).per_face, count=count)
     there = sandwich.at(partial(part.at_corners, front.faces))
     place = part.at_corners(front.faces, front.vertices)
     area = total(np.ones(part.area.shape))

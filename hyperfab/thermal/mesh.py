@@ -127,10 +127,15 @@ def split_contacts(mesh: HeatMesh, contact: Flags) -> HeatMesh:
 
 def oriented(points: Array, elements: Ints) -> Ints:
     """Turn elements of negative volume over."""
-    a, b, c, d = (points[elements[:, i]] for i in range(4))
-    volume = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a)
     flipped = elements[:, [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]]
-    return np.where((volume < 0)[:, None], flipped, elements)
+    return np.where((six_volumes(points[elements]) < 0)[:, None], flipped, elements)
+
+
+def six_volumes(nodes: Array) -> Array:
+    """Return six times the volumes (m,) of straight elements with ``nodes`` (m, 4 or more, 3), negative where turned
+    over."""
+    sides = nodes[:, 1:4] - nodes[:, :1]
+    return np.asarray(np.einsum("ij,ij->i", np.cross(sides[:, 0], sides[:, 1]), sides[:, 2]))
 
 
 def _renumber(points: Array, elements: Ints) -> tuple[Ints, Array, int, Ints, Ints]:
@@ -176,12 +181,7 @@ def twisted(nodes: Array) -> Flags:
     points = np.concatenate([TETRAHEDRON.points, TETRAHEDRON.corners])
     _, gradients = TETRAHEDRON.tabulate(points)
     jacobian = np.einsum("mid,qik->mqdk", nodes, gradients)
-    straight = np.einsum(
-        "ij,ij->i",
-        np.cross(nodes[:, 1] - nodes[:, 0], nodes[:, 2] - nodes[:, 0]),
-        nodes[:, 3] - nodes[:, 0],
-    )
-    least: Flags = np.linalg.det(jacobian).min(axis=1) < 0.2 * straight
+    least: Flags = np.linalg.det(jacobian).min(axis=1) < 0.2 * six_volumes(nodes)
     return least
 
 

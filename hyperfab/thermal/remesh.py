@@ -21,7 +21,7 @@ from hyperfab.errors import NotConverged
 from hyperfab.surface import Surface
 from hyperfab.surface.topology import sides
 from hyperfab.thermal.geometry import Body, Geometry, Stl
-from hyperfab.thermal.mesh import EDGES, oriented, twisted
+from hyperfab.thermal.mesh import EDGES, oriented, six_volumes, twisted
 from hyperfab.thermal.mesher import RawMesh, mesh_surface
 
 #: Rounds of refinement where the new surface strays, and the longest edges tried first, as shares of mesh_size: the
@@ -191,10 +191,10 @@ def standing_for(geometry: Geometry, coarser: Callable[[Stl], Stl]) -> Geometry:
 
 def _unspoiled(raw: RawMesh, points: Array, moved: Flags, ends: Ints, middles: Ints) -> Array:
     """Put vertices back where elements would be squashed; edge nodes between them then follow the chord."""
-    before = _volumes(raw.points, raw.elements)
+    before = np.abs(six_volumes(raw.points[raw.elements]))
     back = np.zeros(len(points), dtype=bool)
     for _ in range(10):
-        bad = _volumes(points, raw.elements) < LEAST_VOLUME * before
+        bad = np.abs(six_volumes(points[raw.elements])) < LEAST_VOLUME * before
         if not bad.any():
             break
         nodes = np.unique(raw.elements[bad])
@@ -206,11 +206,6 @@ def _unspoiled(raw: RawMesh, points: Array, moved: Flags, ends: Ints, middles: I
     dragged = loose & (moved[ends] & ~back[ends]).any(axis=1)
     points[middles[dragged]] += (points[ends[dragged]] - raw.points[ends[dragged]]).mean(axis=1)
     return points
-
-
-def _volumes(points: Array, elements: Ints) -> Array:
-    a, b, c, d = (points[elements[:, i]] for i in range(4))
-    return np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
 
 
 def _edge_nodes(raw: RawMesh) -> tuple[Ints, Ints]:

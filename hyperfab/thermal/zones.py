@@ -62,7 +62,7 @@ def by_zone(model: HeatModel, zones: int, warm: Array) -> list[Zone]:
     for part, material in enumerate(model.materials):
         nodes = model.mesh.elements[model.mesh.parts == part]
         places = np.einsum("qi,mid->mqd", shapes, model.mesh.points[nodes]).reshape(-1, 3)
-        at = (_at_nodes(model, warm)[nodes] @ shapes.T).ravel()
+        at = (warm[nodes] @ shapes.T).ravel()
         stores = material.density * material.specific_heat.at(50.0)
         for chosen in halved(places, at, zones):
             inside = np.zeros(len(places))
@@ -72,11 +72,6 @@ def by_zone(model: HeatModel, zones: int, warm: Array) -> list[Zone]:
             storing = _summed(model, nodes, elements.mass, stores * share)
             found.append(Zone(storing, _summed(model, nodes, elements.stiffness, conducts)))
     return found
-
-
-def _at_nodes(model: HeatModel, field: Array) -> Array:
-    """Return a field of the model's unknowns at the nodes of the mesh."""
-    return field[: len(model.mesh.points)]
 
 
 def _summed(
