@@ -10,6 +10,7 @@ from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
 from .depth import deepest_of, room
+from .features import distance2
 from .mold import Creases, Mold
 
 #: What a crease is to the straight way of a spring.
@@ -105,8 +106,7 @@ def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -
     end = 0 if s < 0.5 * length else 1
     if 0.0 < s < length and creases.beyond[c, end] >= 0:  # amid an edge of several creases
         return c if _parted(creases, c, p, q, g, h) % BURIED == CUT else -1
-    span = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
-    if min(s, length - s) ** 2 <= span:
+    if min(s, length - s) ** 2 <= distance2(q, p):
         shortest, best = np.inf, c
         for tries in range(6):
             other = c
@@ -118,7 +118,7 @@ def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -
             _place(creases, other, at, h, g)
             where = _parted(creases, other, p, q, g, h)
             if where == CUT:
-                way = _distance(p, g) + _distance(g, q)
+                way = np.sqrt(distance2(p, g)) + np.sqrt(distance2(g, q))
                 if way < shortest:
                     shortest, best = way, other
         if shortest < np.inf:
@@ -130,11 +130,6 @@ def _crossed(creases: Creases, c: int, p: Array, q: Array, g: Array, h: Array) -
         _on(creases, c, p, q, h)
         _place(creases, c, s, h, g)
     return c if _parted(creases, c, p, q, g, h) % BURIED == CUT else -1
-
-
-@part
-def _distance(p: Array, q: Array) -> float:
-    return np.sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
 
 
 @part
@@ -182,7 +177,7 @@ def find_bends(
                 if k >= n or l >= m:
                     continue
                 p, q = x[i, j], x[k, l]
-                len2 = (q[0] - p[0]) ** 2 + (q[1] - p[1]) ** 2 + (q[2] - p[2]) ** 2
+                len2 = distance2(q, p)
                 if (clear[i, j] + clear[k, l]) ** 2 > len2 or straight[i, j, d] or not 0.0 < len2 < np.inf:
                     continue
                 t, c = 0.5, np.int64(-1)  # a literal would make what takes it compile twice

@@ -17,7 +17,7 @@ from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface.bvh import DEPTH, nearest_one, ray_one
 
 from .creases import over_edge
-from .features import FLAT, borne, copy, dot, edge_reached, outward, unfold, valley
+from .features import FLAT, borne, copy, distance2, dot, edge_reached, outward, unfold, valley
 from .galerkin import times
 from .landing import landed, ridge_at, sharp_edge_at
 from .mold import FREE, ON_FACE, SHARP, Mold
@@ -62,10 +62,7 @@ def move(  # noqa: C901
     m = x.shape[1]
     stack, stack_d = np.empty(DEPTH, np.int64), np.empty(DEPTH)
     y, u, begin = np.empty(3), np.empty(3), np.empty(3)
-    size = 0.0
-    for k in range(3):
-        size += (mold.bounds[0, 3 + k] - mold.bounds[0, k]) ** 2
-    long = LONG * np.sqrt(size)
+    long = LONG * np.sqrt(distance2(mold.bounds[0, 3:], mold.bounds[0, :3]))
     for i in range(first, last):
         for j in range(m):
             way = 0.0

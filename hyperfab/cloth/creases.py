@@ -16,7 +16,7 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import bvh
 
-from .features import ON_EDGE
+from .features import ON_EDGE, distance2
 from .law import evaluate
 from .mold import Creases
 from .net import Arrays
@@ -49,10 +49,7 @@ def bend_forces(x: Array, net: Arrays, springs: Ints, ways: Array, f: Array, pus
     for b in range(springs.shape[0]):
         i, j, d = springs[b, 0], springs[b, 1], springs[b, 2]
         k, l = (i + 1, j) if d == 0 else (i, j + 1)
-        chord = 0.0
-        for r in range(3):
-            chord += (x[k, l, r] - x[i, j, r]) ** 2
-        chord = np.sqrt(chord)
+        chord = np.sqrt(distance2(x[k, l], x[i, j]))
         w = ways[b]
         e0, t0, _ = law_of(net, i, j, d, chord)
         e1, t1, _ = law_of(net, i, j, d, w[12])

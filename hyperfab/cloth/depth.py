@@ -18,6 +18,7 @@ from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface import Surface
 from hyperfab.surface.bvh import DEPTH, closest_on_triangle, nearest_one
 
+from .features import distance2
 from .mold import Mold
 from .net import Sheet
 from .state import State
@@ -90,10 +91,7 @@ def deepest_of(
     """
     stack, stack_d, part_t, part_f, part_s, points = work
     a, b, middle = points[0], points[1], points[2]
-    share, size = -1.0, 0.0
-    for r in range(3):
-        size += (end[r] - start[r]) ** 2
-    size = np.sqrt(size)
+    share, size = -1.0, np.sqrt(distance2(end, start))
     part_t[0, 0], part_t[0, 1] = 0.0, 1.0
     part_f[0, 0], part_s[0, 0] = _depth(mold, start, hint, stack, stack_d)
     part_f[0, 1], part_s[0, 1] = _depth(mold, end, part_s[0, 0], stack, stack_d)

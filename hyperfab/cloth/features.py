@@ -30,6 +30,11 @@ def dot(a: Array, b: Array) -> Any:
 
 
 @part
+def distance2(a: Array, b: Array) -> Any:
+    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2
+
+
+@part
 def copy(a: Array, b: Array) -> None:
     b[0], b[1], b[2] = a[0], a[1], a[2]
 

@@ -14,7 +14,7 @@ from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel, part
 from hyperfab.surface.bvh import DEPTH, closest_on_triangle, nearest_one
 
-from .features import FLAT, copy
+from .features import FLAT, copy, distance2
 from .landing import rounding
 from .mold import FREE, ON_FACE, Mold
 from .net import Sheet
@@ -74,9 +74,7 @@ def _corner_near(mold: Mold, slot: int, p: Array) -> int:
     """Corner of a facet that p is nearest to."""
     best, least = 0, np.inf
     for c in range(3):
-        off = 0.0
-        for k in range(3):
-            off += (p[k] - mold.corners[slot, c, k]) ** 2
+        off = distance2(p, mold.corners[slot, c])
         if off < least:
             best, least = c, off
     return best

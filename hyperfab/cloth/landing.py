@@ -7,7 +7,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import part
 
-from .features import FLAT, ON_EDGE, beside, copy, outward
+from .features import FLAT, ON_EDGE, beside, copy, distance2, outward
 from .mold import SHARP, Mold
 
 #: Single precision, as STL files have it, leaves so much of a mold's size.
@@ -17,15 +17,10 @@ SINGLE = 2e-7
 @part
 def landed(mold: Mold, slot: int, feature: int, y: Array, x: Array) -> int:
     """Feature of a facet that a node rests on which is set back from y to x on it; x is put right where need be."""
-    near, off = rounding(mold) ** 2, 0.0
-    for k in range(3):
-        off += (y[k] - x[k]) ** 2
-    if off <= near:
+    near = rounding(mold) ** 2
+    if distance2(y, x) <= near:
         for e in range(3):
-            off = 0.0
-            for k in range(3):
-                off += (x[k] - mold.corners[slot, e, k]) ** 2
-            if off <= near and not _amid_edge(mold, slot, e):
+            if distance2(x, mold.corners[slot, e]) <= near and not _amid_edge(mold, slot, e):
                 copy(mold.corners[slot, e], x)
                 return 4 + e
     if feature > 3:

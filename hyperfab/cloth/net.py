@@ -181,6 +181,13 @@ NO_FORCE = piecewise_linear([1.0, 2.0], [0.0, 0.0])
 
 
 @inlined
+def neighbour(i: int, j: int, side: int) -> tuple[int, int]:
+    """Return the node next to one on a side of it: 0, 1 ahead and behind along the warp; 2, 3 along the weft."""
+    way = 1 - 2 * (side % 2)
+    return (i + way, j) if side < 2 else (i, j + way)
+
+
+@inlined
 def _spring(x: Array, i: int, j: int, k: int, l: int, rest: float, area: float, law: Any) -> Any:
     """Return a spring's energy and its force, as a number and along x, y and z on its first node."""
     dx, dy, dz = x[k, l, 0] - x[i, j, 0], x[k, l, 1] - x[i, j, 1], x[k, l, 2] - x[i, j, 2]

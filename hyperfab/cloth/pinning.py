@@ -15,7 +15,7 @@ from hyperfab.numerics.kernels import part
 from .creases import law_of
 from .features import BESIDE, dot, outward
 from .mold import FREE, ON_FACE, Mold
-from .net import Arrays
+from .net import Arrays, neighbour
 
 DIRECTIONS = 73
 
@@ -25,15 +25,7 @@ def _pull(net: Arrays, x: Array, i: int, j: int, side: int, ways: Array, hinge: 
     """Force of one of the four springs of a node (0, 1 warp; 2, 3 weft) on it; False at the border."""
     n, m = x.shape[0], x.shape[1]
     d = side // 2
-    k, l = i, j
-    if side == 0:
-        k = i + 1
-    elif side == 1:
-        k = i - 1
-    elif side == 2:
-        l = j + 1
-    else:
-        l = j - 1
+    k, l = neighbour(i, j, side)
     if k < 0 or l < 0 or k >= n or l >= m:
         return False
     for h in range(2):

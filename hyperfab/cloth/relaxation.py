@@ -15,9 +15,10 @@ from hyperfab.arrays import Array
 from hyperfab.numerics.kernels import kernel
 
 from .balance import Balance
+from .features import distance2
 from .march import march
 from .mold import Mold
-from .net import Arrays, Sheet
+from .net import Arrays, Sheet, neighbour
 from .state import Equilibrium, State, Step
 
 #: Every so many steps a line of the history is kept.
@@ -36,21 +37,10 @@ def _steps(x: Array, net: Arrays, r: Array, c: float, d: Array) -> None:
                 continue
             total = 0.0
             for side in range(4):
-                k, l = i, j
-                if side == 0:
-                    k = i + 1
-                elif side == 1:
-                    k = i - 1
-                elif side == 2:
-                    l = j + 1
-                else:
-                    l = j - 1
+                k, l = neighbour(i, j, side)
                 if k < 0 or l < 0 or k >= n or l >= m:
                     continue
-                length = 0.0
-                for a in range(3):
-                    length += (x[k, l, a] - x[i, j, a]) ** 2
-                total += max(np.sqrt(length) - net.rest[side // 2], 0.0)
+                total += max(np.sqrt(distance2(x[k, l], x[i, j])) - net.rest[side // 2], 0.0)
             for a in range(3):
                 d[i, j, a] = r[i, j, a] / size * total / c
 
