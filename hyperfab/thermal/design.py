@@ -13,7 +13,6 @@ from hyperfab.numerics.vectors import dot
 from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.model import HeatModel
-from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.tables import Table
 
 #: The wanted warm-up time is met to this share.
@@ -108,10 +107,10 @@ def share_power(
     heaters: Sequence[Heater] = model.heaters
     powers = np.array([heater.power_at(0.0) for heater in heaters])
     total = float(powers.sum())
-    nodes = np.unique(surface.nodes)
+    nodes = surface.all_nodes
     weights = surface.mean_weights
     temperature, _ = model.solve_steady(0.0, model.hold(0.0, start))
-    before = evenness(surface, temperature).spread
+    before = surface.evenness(temperature).spread
     for _ in range(MOST_ROUNDS):
         matrix = model.steady_matrix(0.0, temperature)
         answers = np.stack([model.solve(matrix, heater.shape * model.free, 1e-8) for heater in heaters], axis=1)
@@ -129,7 +128,7 @@ def share_power(
         temperature, _ = model.solve_steady(0.0, model.hold(0.0, temperature))
         if np.abs(moved).max() <= SHARE_TOLERANCE * max(total, float(powers.sum())):
             break
-    found = evenness(surface, temperature)
+    found = surface.evenness(temperature)
     return Shared(powers, before, found.spread, found.mean)
 
 

@@ -7,6 +7,7 @@ their factorisation.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +15,20 @@ from scipy import sparse
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.thermal.elements import TRIANGLE, facet_weights
+
+
+@dataclass(frozen=True)
+class Evenness:
+    """Temperatures of a surface [degC]: the mean over its area, the least and the greatest of its nodes."""
+
+    mean: float
+    least: float
+    greatest: float
+
+    @property
+    def spread(self) -> float:
+        """Greatest less least [K]."""
+        return self.greatest - self.least
 
 
 class FacetOperator:
@@ -86,3 +101,8 @@ class FacetOperator:
     def mean(self, nodal: Array) -> float:
         """Return the mean of a nodal field over the area."""
         return float((self.weights * self.at_points(nodal)).sum()) / self.area
+
+    def evenness(self, nodal: Array) -> Evenness:
+        """Return how even a nodal field (n,) is over the facets."""
+        own = nodal[self.all_nodes]
+        return Evenness(self.mean(nodal), float(own.min()), float(own.max()))

@@ -11,6 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.numerics.vectors import dot
+from hyperfab.thermal.facet_operator import Evenness, FacetOperator
 from hyperfab.thermal.lumping import Alike
 from hyperfab.thermal.step import State
 
@@ -145,6 +146,13 @@ class Past:
             return dot(sensor, first), None if second is None else dot(sensor, second)
         row, at_origin = lift.sensor(sensor)
         return at_origin + dot(row, first), None if second is None else dot(row, second)
+
+    def evenness(self, surface: FacetOperator) -> Evenness:
+        """Return how even a surface is; of a reduced state only the surface is lifted."""
+        if not self.is_reduced:
+            return surface.evenness(self.temperature)
+        nodal = self.on(surface.all_nodes)
+        return Evenness(self.reading(surface.mean_weights)[0], float(nodal.min()), float(nodal.max()))
 
 
 class Trail(Sequence[Past]):

@@ -51,7 +51,7 @@ class Placing:
         for number, section in enumerate(self.document.temperature):
             key = f"temperature.{number}.on"
             facets = self.facets_of(key, section.on)
-            nodes = np.unique(self.operator(facets).nodes)
+            nodes = self.operator(facets).all_nodes
             found.append(
                 Prescribed(f"temperature {_label(section.on)}", nodes, self.functions[f"temperature.{number}"])
             )

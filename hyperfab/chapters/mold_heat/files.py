@@ -15,7 +15,6 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.io.vtu import collection, refilled, unstructured
 from hyperfab.report.figures_heat import heat_figure
-from hyperfab.thermal import surface
 from hyperfab.thermal.history import History, curve, curve_times
 from hyperfab.thermal.sensors import as_shown
 
@@ -105,7 +104,7 @@ def _history(problem: Problem, history: History) -> bytes:
     header = ["time_s", "supplied_J", "lost_J", "stored_J"]
     columns = [np.array(history.states.times), supplied, lost, np.array([0.0, *ledger.stored])]
     if problem.work_surface is not None:
-        found = surface.of_all(problem.work_surface, history.states)
+        found = [state.evenness(problem.work_surface) for state in history.states]
         header += [f"work_surface_{what}" for what in ("mean_degC", "min_degC", "max_degC", "spread_K")]
         columns += [np.array([getattr(f, name) for f in found]) for name in ("mean", "least", "greatest", "spread")]
     return csv_bytes(header, list(zip(*columns, strict=True)))

@@ -19,7 +19,6 @@ from hyperfab.thermal.history import History
 from hyperfab.thermal.projected import why_not
 from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.settings import Settings
-from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.trail import examples
 
 #: Which condition an entry of the mold document speaks of, and which factor its number is.
@@ -85,7 +84,7 @@ class Beside(Nearby):
         for name, probe in shown(self.problem, times, course.at(times) @ self.mold.probes.T).items():
             found |= {f"probes.{name}.final_degC": probe.final_degC, f"probes.{name}.max_degC": probe.max_degC}
         if self.problem.work_surface is not None:
-            even = evenness(self.problem.work_surface, field)
+            even = self.problem.work_surface.evenness(field)
             found |= {"work_surface.mean_degC": even.mean, "work_surface.spread_K": even.spread}
             found |= {"work_surface.min_degC": even.least, "work_surface.max_degC": even.greatest}
         found = {name: value + self._off.get(name, 0.0) for name, value in found.items()}

@@ -161,7 +161,7 @@ def pieces_made(pieces: Pieces, history: History) -> list[PieceResult]:
                 surface_degC=means[0],
                 lowest_degC=min(means),
                 dip_K=means[0] - min(means),
-                dip_max_K=float(local[np.unique(pieces.facets.nodes)].max()),
+                dip_max_K=float(local[pieces.facets.all_nodes].max()),
                 heat_from_mold_J=gained - from_other,
                 heat_from_other_J=from_other if section.other is not None else None,
                 taken_out_degC=mean,

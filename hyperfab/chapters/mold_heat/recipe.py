@@ -171,7 +171,7 @@ def heated(document: MoldDocument, problem: Problem, start: Array, advance: Adva
     if share == 1.0 and not problem.renewals:
         nodes = np.zeros(0, dtype=np.int64)
         if problem.work_surface is not None:
-            nodes = np.unique(problem.work_surface.nodes)
+            nodes = problem.work_surface.all_nodes
         full = View(problem.model, problem.thermostats, target)
         shortcut, why = shortcut_for(full, settings.until, list(problem.probes.values()), nodes, settings.reduced)
     pace = Pace(problem, start, shortcut is not None)

@@ -19,7 +19,7 @@ from hyperfab.documents.heat import (
 )
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.numerics.vectors import dot
-from hyperfab.thermal import surface
+from hyperfab.thermal import facet_operator
 from hyperfab.thermal.condition import Heater
 from hyperfab.thermal.history import LEAST_CHANGE, History, curve, curve_times
 from hyperfab.thermal.sensors import as_shown
@@ -62,7 +62,7 @@ def transient_document(document: MoldDocument, problem: Problem, history: Histor
         there = history.states[reached].temperature
         if reached == 0:  # reached at once: by places that are held, which jump
             there = problem.model.hold(0.0, there)
-        found = surface.evenness(problem.work_surface, there)
+        found = problem.work_surface.evenness(there)
         result.work_surface.at_warmup = _evenness(found)
     return result
 
@@ -140,7 +140,7 @@ def _common(problem: Problem, history: History, energy: Energy) -> HeatDocument:
         flux_max_W_m2=float(flux.max()),
     )
     if problem.work_surface is not None:
-        end = _evenness(surface.evenness(problem.work_surface, last.temperature))
+        end = _evenness(problem.work_surface.evenness(last.temperature))
         area = problem.work_surface.area * 1e6
         result.work_surface = WorkSurface(**end.model_dump(), area_mm2=area, at_end=end)
     return result
@@ -199,7 +199,7 @@ def efficiency_of(energy: Energy) -> float | None:
     return stored / supplied if supplied is not None and supplied > 0.0 else None
 
 
-def _evenness(found: surface.Evenness) -> Evenness:
+def _evenness(found: facet_operator.Evenness) -> Evenness:
     return Evenness(mean_degC=found.mean, min_degC=found.least, max_degC=found.greatest, spread_K=found.spread)
 
 

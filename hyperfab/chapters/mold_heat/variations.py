@@ -20,7 +20,6 @@ from hyperfab.thermal.course import Course
 from hyperfab.thermal.history import History
 from hyperfab.thermal.reduced import ReducedMold, reduce
 from hyperfab.thermal.settings import Settings
-from hyperfab.thermal.surface import evenness
 from hyperfab.thermal.trail import examples
 
 #: Columns of the table, each a factor on what the document says.
@@ -97,7 +96,7 @@ def vary(asked: Asked, document: MoldDocument, problem: Problem, history: Histor
             if document.run.target is not None:
                 one.warmup_time_s = course.when(work.mean_weights @ mold.basis, document.run.target)
             then = course.at(np.array([duration if one.warmup_time_s is None else one.warmup_time_s]))[0]
-            even = evenness(work, mold.basis @ then)
+            even = work.evenness(mold.basis @ then)
             one.work_surface_mean_degC, one.work_surface_spread_K = even.mean, even.spread
         for name, probe in shown(problem, times, course.at(times) @ mold.probes.T).items():
             one.probes_max_degC[name], one.probes_final_degC[name] = probe.max_degC, probe.final_degC
@@ -157,7 +156,7 @@ def _refuse_unfit(document: MoldDocument, name: str) -> None:
 
 def _difference(mold: ReducedMold, nominal: Course, problem: Problem, history: History) -> float:
     """Return how far the reduced mold is from the full run at any of its steps, at probes and the work surface [K]."""
-    nodes = np.zeros(0, dtype=np.int64) if problem.work_surface is None else np.unique(problem.work_surface.nodes)
+    nodes = np.zeros(0, dtype=np.int64) if problem.work_surface is None else problem.work_surface.all_nodes
     most = 0.0
     for past, coordinates in zip(history.states, nominal.at(np.array(history.states.times)), strict=True):
         off = mold.basis @ coordinates - past.temperature
