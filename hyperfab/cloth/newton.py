@@ -160,6 +160,3 @@ def equilibrium(
         balance.f, spare = spare, balance.f
         balance.energy, balance.strongest = energy_t, strongest_t
     return balance.ended(now, status, history)
-
-
-__all__ = ["Equilibrium", "State", "Step", "equilibrium"]

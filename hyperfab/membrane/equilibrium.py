@@ -234,7 +234,7 @@ class Press:
             if careful and self._is_slack(system):
                 return self._state(depth, places, touching & False, system, iteration, (memory, anchors, grip))
             away = system.worst + system.gap / self.sheet.reach
-            step, chosen, part = self._step(depth, places, touching, system, grip if careful else None)
+            step, chosen, part = self._step(depth, places, system, grip if careful else None)
             gain = -float((system.unbalanced * step).sum()) / part
             hold = max(hold * _LESS_SUPPORT, _LEAST_CAREFUL) if part == 1.0 else min(hold * _MORE_SUPPORT, 1.0)
             if self.tangential.holds:
@@ -322,7 +322,7 @@ class Press:
         return self.sheet.pattern.extend(factor.solve(self.sheet.pattern.restrict(right)))
 
     def _step(
-        self, depth: float, places: Array, touching: Flags, system: _Linearised, careful: Grip | None
+        self, depth: float, places: Array, system: _Linearised, careful: Grip | None
     ) -> tuple[Array, Flags, float]:
         """Return a Newton step (n, 3), the nodes that touch after it, and the part of it taken where ``careful``."""
         right = -system.unbalanced

@@ -69,18 +69,17 @@ class Piece:
     [W/m^2/K] and a temperature [degC], or is insulated where that is None.
     """
 
+    name = "piece"
     linear = True
 
     def __init__(
         self,
-        name: str,
         facets: FacetOperator,
         first: int,
         layers: Sequence[Layer],
         h: float,
         other: tuple[float, float] | None,
     ) -> None:
-        self.name = name
         self.other = other
         self.cells = column(layers)
         count, n = len(facets.nodes), len(self.cells.capacity)

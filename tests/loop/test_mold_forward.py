@@ -13,7 +13,7 @@ import pytest
 from conftest import Run
 from loop import test_applied_mold as applied
 
-from hyperfab.chapters.close_loop.forward import written_otherwise
+from hyperfab.chapters.close_loop.heat import written_otherwise
 from hyperfab.chapters.mold_heat.problem import MoldBuilder
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output

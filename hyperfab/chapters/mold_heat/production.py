@@ -124,7 +124,7 @@ def pieces_of(
 
     def placed(placing: Placing, mesh: HeatMesh) -> Pieces:
         facets = FacetOperator(mesh.points, mesh.facet_nodes(found.mask))
-        piece = Piece("piece", facets, mesh.solid, layers, section.h, other)
+        piece = Piece(facets, mesh.solid, layers, section.h, other)
         placing.areas[piece.name] = facets.area * 1e6
         return Pieces(section, piece, Switched(piece, on=True), facets, mesh.solid, document.run.tolerance)
 
