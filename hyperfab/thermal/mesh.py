@@ -106,9 +106,9 @@ def split_contacts(mesh: HeatMesh, contact: Flags) -> HeatMesh:
         return mesh
     m = len(mesh.elements)
     pairs = _interior_pairs(mesh.elements)
-    key = np.sort(np.stack([f.element[contact], f.other[contact]], axis=1), axis=1)
-    broken = np.isin(_pair_key(pairs[:, [0, 2]], m), key[:, 0] * m + key[:, 1])
-    pairs = pairs[~broken]
+    parted = np.stack([f.element[contact], f.other[contact]], axis=1)
+    every, broken = (np.sort(pair, axis=1) @ np.array([m, 1]) for pair in (pairs[:, [0, 2]], parted))
+    pairs = pairs[~np.isin(every, broken)]
     near = pairs[:, 0, None] * 10 + FACETS[pairs[:, 1]]
     far = pairs[:, 2, None] * 10 + FACETS[pairs[:, 3]]
     order_near = np.argsort(mesh.elements.ravel()[near], axis=1)
@@ -235,11 +235,6 @@ def _with_faces(facets: Facets, elements: Ints, surface: Ints, face: Ints) -> Fa
     found = known_key[order][at] == key
     number = np.where(found, face[order][at], -1)
     return Facets(facets.element, facets.local, facets.other, facets.other_local, number)
-
-
-def _pair_key(pairs: Ints, size: int) -> Ints:
-    low = np.sort(pairs, axis=1)
-    return low[:, 0] * size + low[:, 1]
 
 
 def _pairing(near: Array, far: Array) -> Ints:

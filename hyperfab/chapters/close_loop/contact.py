@@ -139,7 +139,9 @@ def pose_sheet(
         Setting("slip", 0.0, slips),
     ]
 
-    slack = Slack(test.radius, test.outline.reach, float(knots[-1])) if _hangs_by_none(test) else None
+    # Over a ball a sheet as long as its rim is wide bears at once.
+    at_once = test.prestretch == 1.0 and test.facets is None
+    slack = Slack(test.radius, test.outline.reach, float(knots[-1])) if at_once else None
     runs: dict[tuple[float, ...], Array] = {}
 
     def one(settings: Array) -> Array:
@@ -169,11 +171,6 @@ def _larger(test: SphereTest) -> float:
     clamp."""
     free = _CLEAR * test.prestretch * test.outline.reach - test.radius
     return 0.0 if test.facets is not None or free < 0.02 * test.radius else min(_LARGER * test.radius, free)
-
-
-def _hangs_by_none(test: SphereTest) -> bool:
-    """Whether a sheet over a ball bears at once, and is as long as its rim is wide."""
-    return test.prestretch == 1.0 and test.facets is None
 
 
 def _emulated(run: Callable[[Array], Array], axes: Sequence[Setting], tick: Callable[[float], None]) -> Emulator:
