@@ -1,6 +1,8 @@
-"""Gent's law: ``W = -(mu Im/2) ln(1 - (I1 - 3)/Im)``, shear modulus mu, limit I1 - 3 < Im.
+"""Gent's law: ``W = -(mu Im/2) ln(1 - (I1 - 3)/Im)``, shear modulus mu, limit I1 - 3 < Im; with ``C2 ln(I2/3)`` the
+Gent-Gent law.
 
 Gent (1996), Rubber Chem. Technol. 69, 59, doi:10.5254/1.3538357.
+Pucci & Saccomandi (2002), Rubber Chem. Technol. 75, 839, doi:10.5254/1.3547687.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from hyperfab.materials.law import (
     Value,
     distance_to,
     log_axis,
+    log_I2,
     of_I1,
     positive,
 )
@@ -43,10 +46,24 @@ class Gent(Law):
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
         """Return the one term of mu."""
-        return [gent_term(sheet, theta[0])]
+        return [_gent_term(sheet, theta[0])]
 
 
-def gent_term(sheet: Sheet, Im: Value) -> InvariantTerm:
+class GentGent(Gent):
+    """Gent's law with the second invariant, which tells biaxial from uniaxial stretch; mu0 = mu + 2 C2/3."""
+
+    name = "gent-gent"
+    title = "limited chain length and the second invariant"
+    source = "doi:10.5254/1.3547687"
+    equation = "W = -(mu Im/2) ln(1 - (I1 - 3)/Im) + C2 ln(I2/3)"
+    linear: tuple[str, ...] = ("mu_MPa", "C2_MPa")
+
+    def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
+        """Return the terms of mu and C2."""
+        return [_gent_term(sheet, theta[0]), log_I2(sheet)]
+
+
+def _gent_term(sheet: Sheet, Im: Value) -> InvariantTerm:
     """Return ``-(Im/2) ln(1 - (I1 - 3)/Im)``."""
     left = distance_to(Im, sheet.x)
     return of_I1(
@@ -56,4 +73,4 @@ def gent_term(sheet: Sheet, Im: Value) -> InvariantTerm:
     )
 
 
-LAWS = (Gent(),)
+LAWS = (Gent(), GentGent())
