@@ -15,9 +15,8 @@ from scipy.spatial import cKDTree
 from hyperfab.arrays import Array, Ints
 from hyperfab.cloth.round import rounded, squared
 from hyperfab.loop.catalogue.drape import DataContext, entries
-from hyperfab.loop.emulator import Axis
+from hyperfab.loop.emulator import Axis, Kriged, krige
 from hyperfab.loop.known import FilesProblem
-from hyperfab.loop.kriging import Kriged, krige
 from hyperfab.loop.problem import Constant, Curve, Extra
 from hyperfab.loop.scatter import Guess, guess_of_cloud, patches
 

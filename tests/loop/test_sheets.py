@@ -20,10 +20,9 @@ from hyperfab.chapters.close_loop.readings import Files
 from hyperfab.chapters.close_loop.words import another_unit, strange_probes
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
 from hyperfab.loop.drape import Draped, DrapeProblem, Markers, drape_problem, mistracked, places, settings_of
-from hyperfab.loop.emulator import Axis, emulate
+from hyperfab.loop.emulator import _LENGTH, Axis, _matern, emulate, krige
 from hyperfab.loop.engine import close
 from hyperfab.loop.fitting import fit
-from hyperfab.loop.kriging import _LENGTH, _matern, krige
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.slack import Slack

@@ -46,8 +46,8 @@ from hyperfab.loop.drape import (
     settings_of,
 )
 from hyperfab.loop.emulator import Axis as Setting
+from hyperfab.loop.emulator import Kriged, krige
 from hyperfab.loop.engine import Finding
-from hyperfab.loop.kriging import Kriged, krige
 
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
