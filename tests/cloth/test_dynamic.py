@@ -10,7 +10,7 @@ from hyperfab.cloth import Sheet, answers, drape, mold_of, tabulate
 from hyperfab.cloth.balance import Balance
 from hyperfab.cloth.dynamic import swing
 from hyperfab.cloth.law import spring_law
-from hyperfab.cloth.relaxation import relax
+from hyperfab.cloth.march import relax
 from hyperfab.cloth.start import lowered, settled
 from hyperfab.materials import bind
 

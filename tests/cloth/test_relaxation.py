@@ -6,7 +6,7 @@ import numpy as np
 from cloth_molds import ball
 
 from hyperfab.cloth import Sheet, drape, mold_of, tabulate
-from hyperfab.cloth.relaxation import relax
+from hyperfab.cloth.march import relax
 from hyperfab.cloth.start import lowered
 
 SOFT = tabulate(lambda lam: (0.4 * (lam - lam**-2), 0.4 * (1 + 2 * lam**-3)), 4.0)

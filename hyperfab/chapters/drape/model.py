@@ -30,8 +30,8 @@ from hyperfab.cloth import (
     raised,
 )
 from hyperfab.cloth.dynamic import swing
+from hyperfab.cloth.march import relax
 from hyperfab.cloth.net import FIXED, X, Y, Z
-from hyperfab.cloth.relaxation import relax
 from hyperfab.cloth.shear import linear_shear, shear_of_bias
 from hyperfab.cloth.start import lowered
 from hyperfab.errors import InputError, placed
