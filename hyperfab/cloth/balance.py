@@ -9,9 +9,8 @@ from hyperfab.numerics.threads import in_rows
 
 from .contact import Laid, move, settle
 from .friction import Friction
-from .halves import mirrors, reflect
 from .membrane import energy_of
-from .mirror import mean
+from .mirror import mean, mirrors, reflect
 from .mold import Mold
 from .net import Sheet
 from .state import Equilibrium, State, Step

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .dynamic import swing
-from .halves import mirrors
+from .mirror import mirrors
 from .mold import Mold, raised
 from .net import Sheet, X, Y
 from .newton import equilibrium
