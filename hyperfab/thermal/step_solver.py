@@ -11,12 +11,12 @@ import numpy as np
 from scipy import sparse
 
 from hyperfab.arrays import Array, Flags
-from hyperfab.numerics.aggregation import hierarchy
 from hyperfab.numerics.multilevel import (
     Direct,
     Preconditioner,
     TwoLevel,
     conjugate_gradients,
+    hierarchy,
     largest_eigenvalue,
 )
 from hyperfab.thermal.condition import Condition

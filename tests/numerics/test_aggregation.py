@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from hyperfab.numerics import aggregation
+from hyperfab.numerics import multilevel
 from hyperfab.numerics.multilevel import Direct, conjugate_gradients
 
 
@@ -35,7 +35,7 @@ def test_no_step_length_has_its_large_matrix_factorised(ratio):
         begin(self, small, free)
 
     with mock.patch.object(Direct, "__init__", noted):
-        cycle = aggregation.hierarchy(matrix, coarsest=100)
+        cycle = multilevel.hierarchy(matrix, coarsest=100)
     right = np.random.default_rng(0).standard_normal(matrix.shape[0])
     found = conjugate_gradients(matrix, right, cycle, tolerance=1e-8)
     assert len(sizes) == 1
@@ -47,4 +47,4 @@ def test_no_step_length_has_its_large_matrix_factorised(ratio):
 def test_unknowns_that_are_not_coupled_are_solved_each_for_itself():
     values = np.linspace(1.0, 5.0, 3000)
     diagonal = sparse.csr_matrix(sparse.diags(values))
-    assert aggregation.hierarchy(diagonal).apply(values) == pytest.approx(np.ones(3000))
+    assert multilevel.hierarchy(diagonal).apply(values) == pytest.approx(np.ones(3000))
