@@ -114,6 +114,23 @@ def test_warp_and_weft_get_constants_of_their_own(hf: Run) -> None:
     assert found["thickness_mm"] == 0.5
 
 
+@pytest.mark.parametrize(("other", "thickness"), [(0.52, 0.51), (1.0, None)])
+def test_each_stress_is_that_of_its_own_thickness(
+    hf: Run, tmp_path: Path, other: float, thickness: float | None
+) -> None:
+    for name, sheet in (("tension", 0.5), ("second", other)):
+        rows = "\n".join(
+            f"{50 * k / 10:.1f},{6.0 * sheet * 0.3 * ((1 + k / 10) - (1 + k / 10) ** -2):.9f}" for k in range(1, 9)
+        )
+        sizes = f"# gauge length: 50 mm\n# width: 6 mm\n# thickness: {sheet} mm\n# test: uniaxial\n"
+        (tmp_path / f"{name}.csv").write_text(f"{sizes}extension [mm],force [N]\n{rows}\n")
+    found = fit(hf, "tension.csv", "second.csv", "--model", "neo-hookean", cwd=tmp_path)
+    assert found["parameters"]["C10_MPa"] == pytest.approx(0.15, rel=1e-6)
+    assert found.get("thickness_mm") == (None if thickness is None else pytest.approx(thickness))
+    told = [line for line in found["warnings"] if "states no thickness" in line]
+    assert len(told) == (thickness is None)
+
+
 def test_several_temperatures_give_constants_against_temperature(hf: Run) -> None:
     files = [f"specimens/lycra/warp-{t}C.csv" for t in (23, 80, 105)]
     found = fit(hf, *(word for name in files for word in ("--uniaxial", name)), "--model", "yeoh-1", "--accept", "0.5")

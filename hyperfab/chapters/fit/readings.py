@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 #: Tests closer than this in temperature [K] are tests at one temperature; where such a chain of readings is longer than
 #: ``LONG_CHAIN`` [K], one temperature is too few, and that is said.
 SAME_TEMPERATURE, LONG_CHAIN = 5.0, 10.0
+#: How far specimens that are compared may be from their median in thickness, as a share (ISO 37:2017).
+_ONE_PLATE = 0.075
 
 
 #: Temperatures [degC] that are taken for one: the lowest and the highest reading, and the mean.
@@ -113,14 +115,15 @@ def gather(
 ) -> Readings:
     """Return the curves of ``tests``: nominal stress in MPa, one temperature each, after ``steps``.
 
-    Specimens of a ``sheet`` have one thickness; of a body, as foam, blocks and strips may be cut, and none is its own.
+    Specimens of a ``sheet`` as thick as each other tell its thickness; of a body, as foam, blocks and strips may be
+    cut, and none is its own.
 
     With ``relative``, rows whose measured stress says nothing about a ratio are left out and counted, but for those
     that its ``noise`` [MPa] accounts for; so are tests other than the ``kinds`` that the law carries.
     """
     sheets = [test for test in tests if test.mode != "volumetric"]
     volumetric = [test for test in tests if test.mode == "volumetric"]
-    thickness, nominal = _thickness(sheets, sheet)
+    thickness, unlike, nominal = _thickness(sheets)
     found = Readings([], volumetric, thickness, nominal)
     if found.bulk_modulus == 0.0:
         raise InputError(
@@ -164,6 +167,12 @@ def gather(
         for low, high, mean in clusters
         if high - low > LONG_CHAIN
     ]
+    if unlike and sheet:
+        thin, thick = unlike
+        found.warnings.append(
+            f"{thin.source} is {thin.thickness_mm:g} mm thick, {thick.source} {thick.thickness_mm:g} mm: each stress "
+            "is that of its own specimen, and the document states no thickness; fit specimens of one material together"
+        )
     if found.nominal:
         found.preparation.append(
             "no thickness is known: 1 mm is taken, and a constant in MPa is force per width in N/mm"
@@ -177,25 +186,19 @@ def _carriers(mode: str) -> str:
     return f"isotropic laws that keep their volume, {foams}" if mode == SIMPLE_SHEAR else foams
 
 
-def _thickness(tests: Sequence[TestData], sheet: bool) -> tuple[float | None, bool]:
-    """Return the thickness of all tests, None where bodies differ; and whether it is the nominal 1 mm of N/mm."""
-    known = [test for test in tests if test.thickness_mm is not None]
+def _thickness(tests: Sequence[TestData]) -> tuple[float | None, tuple[TestData, TestData] | None, bool]:
+    """Return the thickness of all tests, or the thinnest and the thickest where none is that of all; and whether it is
+    the nominal 1 mm of N/mm.
+
+    Each stress is that of its own specimen: planar tests are cut of a thinner plate than dumbbells.
+    """
     if per_width(tests, "give --thickness, so that all tests are in MPa"):
-        return 1.0, True
-    sizes = sorted({test.thickness_mm for test in known if test.thickness_mm is not None})
-    if len(sizes) > 1 and sizes[-1] > 1.02 * sizes[0]:
-        if not sheet:
-            return None, False
-        thin, thick = (
-            next(test.source for test in known if test.thickness_mm == size) for size in (sizes[0], sizes[-1])
-        )
-        raise InputError(
-            f"is {sizes[-1]:g} mm thick, {thin} {sizes[0]:g} mm",
-            file=thick,
-            key="thickness",
-            remedy="fit specimens of one fabric together, or give --thickness",
-        )
-    return (float(np.mean(sizes)) if sizes else None), False
+        return 1.0, None, True
+    known = sorted((test.thickness_mm, place) for place, test in enumerate(tests) if test.thickness_mm is not None)
+    sizes = [size for size, _ in known]
+    if sizes and max(sizes[-1] / float(np.median(sizes)), float(np.median(sizes)) / sizes[0]) > 1.0 + _ONE_PLATE:
+        return None, (tests[known[0][1]], tests[known[-1][1]]), False
+    return (float(np.mean(np.unique(sizes))) if sizes else None), None, False
 
 
 def _temperatures(tests: Sequence[TestData]) -> list[Cluster]:
