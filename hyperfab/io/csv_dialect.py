@@ -94,7 +94,8 @@ def _of_text(data: bytes, name: str, fits: Fits, layout: Layout, sought: Sequenc
         # Rows for columns: a quantity a line.
         chosen = best((mark, find(transposed(_rows(body, mark)), fits, layout)) for mark in SEPARATORS)
     if chosen is None:
-        return [_sheet(_plain(body, separator, layout, sought), name, separator, metadata, layout)]
+        separator, block = _plain(body, separator, layout, sought)
+        return [_sheet(block, name, separator, metadata, layout)]
     separator, blocks = chosen
     if layout.skip_rows is not None:
         blocks = blocks[:1]
@@ -295,18 +296,26 @@ def _plain_column(cells: Sequence[str]) -> bool:
     )
 
 
-def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: Sequence[str]) -> Block:
-    """Return what a file most likely is where no head fits: its columns are then named in the message."""
+def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: Sequence[str]) -> tuple[str, Block]:
+    """Return what a file most likely is where no head fits, with its separator: its columns are then named in the
+    message, or found by what they hold, as a clock is."""
+
+    def wide(heads: Sequence[Heading]) -> bool:
+        return len(heads) > 1
+
     window = body[:_WINDOW]
     options = [(mark, _rows(window, mark)) for mark in SEPARATORS]
-    chosen = best((mark, find(rows, lambda heads: len(heads) > 1, layout)) for mark, rows in options)
+    chosen = best((mark, find(rows, wide, layout)) for mark, rows in options)
     if chosen is not None:
-        return max(chosen[1], key=lambda one: len(one.rows))
+        mark, blocks = chosen
+        if len(body) > _WINDOW and _long(body, *chosen) is None:
+            blocks = find(_rows(body, mark), wide, layout)
+        return mark, max(blocks, key=lambda one: len(one.lines or one.rows))
     _, rows = max(options, key=lambda option: sum(is_data(cells) for _, cells in option[1]))
     if is_data(rows[0][1]):
         raise _headless(rows, sought)
-    rows = _rows(window, separator)
-    return Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
+    rows = _rows(body, separator)
+    return separator, Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
 
 
 def _headless(rows: list[Row], sought: Sequence[str]) -> InputError:

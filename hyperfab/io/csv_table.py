@@ -127,7 +127,7 @@ def read_table(
         heading = sheet.find(column) or (_moments(sheet) if kind == "time" and column in columns else None)
         if heading is None and column in columns:
             raise _missing(sheet, column, columns, offered)
-        if heading is not None:
+        if heading is not None and (column in columns or _is_meant(heading, column, kind)):
             wanted[column] = (heading, kind)
     if rest is not None:
         taken = {heading.index for heading, _ in wanted.values()}
@@ -163,6 +163,13 @@ def read_table(
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+
+
+def _is_meant(heading: Heading, column: str, kind: str) -> bool:
+    """Whether a column that need not be there is what it is called: by its name, or by words beside a unit of its
+    ``kind``: a Leistung in W is the power, one in per cent of a rating nobody knows."""
+    called = column in (heading.name, suffixed(heading).name)
+    return called or (heading.unit is not None and is_of(heading.unit, kind))
 
 
 def _check_units(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> None:

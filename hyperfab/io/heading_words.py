@@ -169,7 +169,7 @@ COMPRESSIVE: dict[str, str] = {
 PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatischer druck; presion;
     presion hidrostatica; pression; pression hydrostatique; pressione; pressione idrostatica; pressao;
     pressao hidrostatica"""
-#: Columns of a pushed sheet and of a press, for which no test of a fabric is asked.
+#: Columns of a pushed sheet, of a press and of a mold, for which no test of a fabric is asked.
 READINGS: dict[str, str] = {
     "depth": """penetration; penetration depth; indentation depth; tiefe; eindringtiefe; eindrucktiefe; profondeur;
         profondeur de penetration; enfoncement; profundidad; profundidad de penetracion; profondita; profondita di
@@ -180,6 +180,8 @@ READINGS: dict[str, str] = {
     "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression; pression de contact;
         presion; presion de contacto; pressione; pressione di contatto; pressao; pressao de contato;
         basinc; 压力; 面圧""",
+    "power": """heater power; heating power; total power; wattage; leistung; heizleistung; gesamtleistung; puissance;
+        puissance de chauffe; potencia; potenza; guc; 功率; 電力; 加热功率""",
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
     "contact": "kontakt; contacto; contatto; contato",

@@ -27,6 +27,8 @@ _BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none",
 )
 #: How a unit that is none of ours may be written: V, Ohm, l/min, counts/s.
 _FOREIGN = re.compile(r"[^\W\d_]{1,3}|\w{1,6}(?:[./*]\w{1,4})+")
+#: How the cells of a clock or a date are written, in the place of its unit: hh:mm:ss, TT.MM.JJJJ, h:min:s.
+_CLOCK = re.compile(r"(?:[dtjyahms]{1,4}|min)(?:[:./\- ](?:[dtjyahms]{1,4}|min|[0fx]{1,6}))+", re.IGNORECASE)
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
@@ -223,9 +225,13 @@ def headings(titles: Sequence[str], layout: Layout) -> tuple[Heading, ...]:
 def is_units(cells: Sequence[str]) -> bool:
     """Whether a row below a head holds units: each cell one or empty, at least one real.
 
-    A channel beside them may be in a unit that is none of ours, a word no column is called.
+    A channel beside them may be in a unit that is none of ours, a word no column is called, and a clock's may say how
+    its cells are written.
+
+    >>> is_units(["hh:mm:ss", "degC"]), is_units(["hh:mm:ss", "plate"])
+    (True, False)
     """
-    bare = [cell.strip("[](){}<> ") for cell in cells]
+    bare = ["" if _is_clock(cell) else cell for cell in _bare(cells)]
     if any(is_number(cell) for cell in bare) and not any(unit_of(cell) for cell in bare if not is_number(cell)):
         return False
     if any(is_number(cell) and cell != "1" for cell in bare):
@@ -251,10 +257,12 @@ def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0) ->
     """
     found = []
     for one, cell in zip(heads, [*cells, *[""] * len(heads)][: len(heads)], strict=True):
-        bare = cell.strip("[](){}<> ")
+        [bare] = _bare([cell])
         unit = unit_of(bare) or (
             bare if bare.casefold() not in _BLANK_UNITS else "-" if bare in ("-", "--", "1") else None
         )
+        if _is_clock(bare):  # of two parts 12:30 it tells which come first
+            unit = "h" if re.fullmatch("hh?.(?:mm?|min)", bare.casefold()) else "min" if bare[0] in "mM" else None
         gainsaid = one.unit not in (None, "-") and unit is not None and not _are_same(str(one.unit), unit)
         if line and gainsaid:
             raise InputError(
@@ -266,6 +274,14 @@ def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0) ->
         told = f"{one.unit} or {unit}" if gainsaid and unit != "-" else one.unit or unit  # which is no unit
         found.append(Heading(one.title, one.label, told, one.index))
     return tuple(found)
+
+
+def _bare(cells: Sequence[str]) -> list[str]:
+    return [cell.strip("[](){}<> ") for cell in cells]
+
+
+def _is_clock(cell: str) -> bool:
+    return _CLOCK.fullmatch(cell) is not None and unit_of(cell) is None
 
 
 def _are_same(one: str, two: str) -> bool:

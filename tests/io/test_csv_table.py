@@ -247,6 +247,41 @@ def test_clocks_of_two_parts_in_letters_and_with_zones(head, moments) -> None:
     assert table["time"].tolist() == pytest.approx(apart, abs=1e-6)
 
 
+@pytest.mark.parametrize("above", ["", "Anlage 3\n"])
+@pytest.mark.parametrize("missing", ["26.0", "---"])
+def test_a_long_log_whose_clock_is_called_anything_is_read_to_its_end(above, missing) -> None:
+    cups = ["25.0"] * 450 + [missing] + ["27.0"] * 449
+    rows = [f"14.03.2024 {8 + k // 60:02d}:{k % 60:02d}:00;{cup};4.0\n" for k, cup in enumerate(cups)]
+    log = f"{above}Uhrzeit;cup;Leistung\n;\u00b0C;kW\n" + "".join(rows)
+    asked = {"optional": {"power": "power"}, "rest": "temperature", "gaps": True}
+    table = read_table(log.encode(), "log.csv", {"time": "time"}, **asked)
+    assert table["time"].tolist() == [60.0 * k for k in range(900)]
+    assert sum(map(math.isfinite, table["cup"])) == 899 + (missing == "26.0")
+
+
+@pytest.mark.parametrize(
+    ("clock", "moments"),
+    [
+        ("hh:mm:ss", ("08:10:00", "08:10:30", "08:11:30")),
+        ("TT.MM.JJJJ hh:mm:ss", ("14.03.2024 08:10:00", "14.03.2024 08:10:30", "14.03.2024 08:11:30")),
+        ("[mm:ss]", ("00:00", "00:30", "01:30")),
+        ("HH:MM", ("00:00", "00:01", "00:02")),
+    ],
+)
+def test_how_a_clock_is_written_stands_in_the_row_of_units(clock, moments) -> None:
+    rows = "".join(f"{moment};{25 + i},5;4,0\n" for i, moment in enumerate(moments))
+    log = f"Protokoll Presse 3\nUhrzeit;cup;Leistung\n{clock};\u00b0C;kW\n{rows}".encode()
+    table = read_table(log, "log.csv", {"time": "time"}, optional={"power": "power"}, rest="temperature")
+    assert table["time"].tolist() == ([0.0, 60.0, 120.0] if clock == "HH:MM" else [0.0, 30.0, 90.0])
+    assert (table["cup"].tolist(), table["power"].tolist()) == ([25.5, 26.5, 27.5], [4000.0] * 3)
+
+
+def test_a_power_in_per_cent_of_a_rating_is_left_aside() -> None:
+    log = b"Zeit [s];cup [degC];Leistung [%]\n0;20;100\n1;21;100\n2;22;0\n"
+    table = read_table(log, "log.csv", {"time": "time"}, optional={"power": "power"}, rest="temperature")
+    assert ([*table.columns], table.aside) == (["time", "cup"], ("Leistung [%]",))
+
+
 def test_what_counts_up_in_two_parts_is_hours_or_minutes_by_its_unit() -> None:
     log = b"Time;cup [degC]\n00:00;20\n00:30;21\n01:30;22\n"
     with pytest.raises(InputError, match="01:30: hours and minutes, or minutes and seconds") as caught:
