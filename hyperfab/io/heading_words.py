@@ -171,7 +171,9 @@ PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatis
     pressao hidrostatica"""
 #: Columns of a pushed sheet, of a press and of a mold, for which no test of a fabric is asked.
 READINGS: dict[str, str] = {
-    "depth": """penetration; penetration depth; indentation depth; tiefe; eindringtiefe; eindrucktiefe; profondeur;
+    "depth": """penetration; penetration depth; indentation depth; indentation; deflection; ball displacement; ball
+        travel; punch displacement; punch travel; plunger displacement; plunger travel; durchbiegung; stempelweg;
+        kugelweg; tiefe; eindringtiefe; eindrucktiefe; profondeur;
         profondeur de penetration; enfoncement; profundidad; profundidad de penetracion; profondita; profondita di
         penetrazione; profundidade; profundidade de penetracao;
         derinlik; 深度; 压入深度; 押込み深さ; 押し込み深さ""",

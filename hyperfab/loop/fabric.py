@@ -19,7 +19,7 @@ from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, setups_of, smooth_of, states_of
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
-from hyperfab.materials.effects import anisotropy, load_offset, mullins
+from hyperfab.materials.effects import anisotropy, grip_slack, load_offset, mullins
 from hyperfab.materials.effects.corners import cornered
 from hyperfab.materials.effects.fabric import Fabric, Terms
 from hyperfab.materials.effects.grip_slack import BENDS, STAYS
@@ -118,12 +118,13 @@ class FabricProblem(Problem):
 
         Only second pulls, or several rates and holds, tell what makes loops; that one moves with the rate is told by
         several rates or holds alone. What grips give smoothly with the extension bends all curves of a kind as another
-        law does; what they give with the load does so where there is but one, or each direction's law is its own;
-        beside a sheet whose warp and weft differ, and answer to each other, as its law would. Where each direction was
-        tested at a temperature of its own, either may be what they differ by. A zero that wanders beside a stress that
-        relaxes shows where a specimen waits or is let go: in pulls alone both go on as the stretch does, and a law that
-        is not quite the fabric's leaves as much. Where all were pulled along both axes, what each arm has of its own is
-        what warp and weft may differ by.
+        law does, and those of all kinds as the terms of a foam may, beside which no free law is tried; what they give
+        with the load does so where there is but one, or each direction's law is its own; beside a sheet whose warp and
+        weft differ, and answer to each other, as its law would. Where each direction was tested at a temperature of its
+        own, either may be what they differ by. A zero that wanders beside a stress that relaxes shows where a specimen
+        waits or is let go: in pulls alone both go on as the stretch does, and a law that is not quite the fabric's
+        leaves as much. Where all were pulled along both axes, what each arm has of its own is what warp and weft may
+        differ by.
         """
         turns = self.both or "anisotropy" in self.held
         context = DataContext(self.law, (), self.fabric.path, self.measured, self.both, anisotropic=turns)
@@ -133,7 +134,8 @@ class FabricProblem(Problem):
         one_curve = context.has_one_curve(turns="anisotropy" in given, softens="thermal-softening" in given)
         told = context.path.shorter is not None  # the same length is another strain in each
         bends = not told and gives in BENDS and (one_curve or ("anisotropy" in given and context.tells_coupling))
-        if bends or (not told and gives == "smooth" and context.has_one_mode):
+        any_law = context.has_one_mode or isinstance(self.law, HyperfoamLaw)
+        if bends or (not told and gives == "smooth" and any_law):
             alike.append(frozenset({"grip-slack", "elastic-law"}))
         if context.each_way_at_its_own_heat:
             alike.append(frozenset({"anisotropy", "thermal-softening"}))
@@ -176,11 +178,12 @@ class FabricProblem(Problem):
 
         In units of the stiffness these tests show at their ends. Where terms are added to the law by tests of one
         kind, also by how much that and other kinds fall instead of rising, up to the invariant that these reach; by how
-        much a load cell that drifts is too far off its zero; and by how much softening takes more than all of the load.
+        much a load cell that drifts is too far off its zero; by how much softening takes more than all of the load; and
+        by how much grips take back on the way of what they gave.
         """
         warp, weft, had = self.of_own(own)
         elastic = {name: term for name, term in {**had, **terms}.items() if name in _ELASTIC}
-        off = {**self._zero_off(terms), **self._taken(terms)}
+        off = {**self._zero_off(terms), **self._taken(terms), **self._taken_back(terms)}
         form = anisotropy.form_of(elastic)
         if form is not None and form.whole:
             # The ground of a sheet of threads is stable where none of its constants is below zero.
@@ -216,6 +219,17 @@ class FabricProblem(Problem):
             return {}
         share = mullins.taken_at_rest(self.fabric.path.outward, *terms["mullins"])
         return {"load that softening takes": share - MOST_TAKEN}
+
+    def _taken_back(self, terms: Mapping[str, tuple[str, Array]]) -> dict[str, float]:
+        """Return by how much grips give less than they did before, though the pull went on."""
+        if "grip-slack" not in terms:
+            return {}
+        back = grip_slack.taken_back(*terms["grip-slack"], self._farthest)
+        return {f"what grips take back at place {k}": float(one) for k, one in enumerate(back, 2)}
+
+    @cached_property
+    def _farthest(self) -> float:
+        return max(float(np.max(self.fabric.path.outward.stretch)) - 1.0, 1e-3)
 
     @cached_property
     def _directions(self) -> Array:

@@ -69,7 +69,9 @@ def fewest(
             search.forget(judged)
     if found is None:
         # None leaves noise: a name that comes clearly nearer, told by what it rides on, before one that a formula met.
-        nearer = [state for state in alone.values() if surprise(state) < surprise(whole) - np.log(ODDS)]
+        # What richer forms cost there says nothing against the names whose formulas came as near.
+        told = min(surprise(whole), surprise(best))
+        nearer = [state for state in alone.values() if surprise(state) < told - np.log(ODDS)]
         nearer = [state for state in nearer if len(state.ids) <= max(len(whole.ids), 1) and _pays(search, state)]
         found = next((one for one in sorted(nearer, key=surprise) if no_worse(one)), None)
     return found or whole

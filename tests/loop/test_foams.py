@@ -138,3 +138,13 @@ def test_a_compressible_law_of_a_sheet_contracts_by_its_own_ratio() -> None:
     path, _ = path_of([TestCurve("uniaxial", way, 0.0 * way)])
     fabric = Fabric(law_of("blatz-ko-general", given), path)
     np.testing.assert_allclose(fabric.across({}, np.array([0.4, 0.3, 0.3])), way**-0.3, rtol=1e-14)
+
+
+def test_smooth_grips_of_a_foam_are_not_told_from_its_law() -> None:
+    """No free law of a foam is tried beside them, whatever kinds of tests there are."""
+    stretch = np.linspace(1.0, 0.5, 20)
+    tests = [TestCurve(mode, stretch, pressed(stretch)) for mode in ("uniaxial", "confined-compression")]
+    problem = fabric_problem(law_of("hyperfoam-1", GIVEN, foam=True), tuple(GIVEN.values()), tests)
+    forms = {form.name: form for form in problem.effect("grip-slack").forms}
+    assert frozenset({"grip-slack", "elastic-law"}) in problem.look_alikes({"grip-slack": forms["smooth"]})
+    assert frozenset({"grip-slack", "elastic-law"}) not in problem.look_alikes({"grip-slack": forms["play"]})

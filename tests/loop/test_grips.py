@@ -138,3 +138,20 @@ def test_play_is_a_length_and_a_zero_of_the_cell_a_force() -> None:
 
     own = np.array([1.01, 1.26, 1.04, 1.29])
     np.testing.assert_allclose(at(0.04, 0.02), own - own**-2 + np.array([0.02, 0.02, 0.01, 0.01]), rtol=1e-12)
+
+
+@pytest.mark.parametrize("form", ["smooth", "smooth-force", "smooth-slip"])
+def test_grips_take_nothing_back_while_the_pull_goes_on(form) -> None:
+    """What rises with a rising load does not fall: one that does is another law of the specimen."""
+    up = np.linspace(1.0, 1.5, 30)
+    lam = np.concatenate([up, up[-2::-1]])
+    problem = fabric_problem(law("neo-hookean"), (0.2,), [TestCurve("uniaxial", lam, lam - lam**-2)])
+
+    def back(gives) -> float:
+        along = problem.effect("grip-slack").form(form).constants[0].value
+        asked = problem.forbidden(np.array([0.2]), {"grip-slack": (form, np.array([along, *gives]))})
+        return max(beyond for name, beyond in asked.items() if "take back" in name)
+
+    assert back((0.0, 0.01, 0.02, 0.02, 0.03, 0.04)) <= 0.0
+    # 0.05 less than before, of a strain of 0.5.
+    assert back((0.02, 0.04, 0.1, 0.05, 0.06, 0.07)) == pytest.approx(0.1)

@@ -101,3 +101,16 @@ def test_softening_leaves_no_specimen_slack(form: str, values: tuple[float, ...]
     problem = fabric_problem(laws()["yeoh-3"], C, [TestCurve("uniaxial", stretch, pulled("uniaxial", stretch))])
     asked = problem.forbidden(np.array(C), {"mullins": (form, np.array(values))})
     assert max(asked["load that softening takes"], 0.0) == pytest.approx(beyond, abs=1e-12)
+
+
+@pytest.mark.parametrize("form", ["smooth", "smooth-energy"])
+def test_a_specimen_is_no_stiffer_after_it_was_pulled(form: str) -> None:
+    """Softening as far the other way as it may be, ``lost`` being 0: else it is another law by that name."""
+    stretch = way(1.3, 1.0, 1.6, 1.0)
+    problem = fabric_problem(laws()["yeoh-3"], C, [TestCurve("uniaxial", stretch, pulled("uniaxial", stretch))])
+    told = problem.effect("mullins").form(form)
+    least = [
+        one.low if one.name.startswith("depth") else null for one, null in zip(told.constants, told.null, strict=True)
+    ]
+    plain = problem.predict(np.array(C), {})
+    assert np.all(problem.predict(np.array(C), {"mullins": (form, np.array(least))}) <= plain + 1e-12)

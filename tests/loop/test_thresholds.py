@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -25,6 +25,7 @@ from hyperfab.loop import (
     doubt,
     engine,
     fabric_tests,
+    fewest,
     heldout,
     judge,
     replicates,
@@ -310,6 +311,29 @@ def outweighs(left: float) -> bool:
 def gave(share: float) -> bool:
     """Whether what a term gives counts where such a share of it lies in tests that can be left out."""
     return left_out((3.0, 1.0), (3.0, 1.0), gone=share) is not None
+
+
+def test_what_richer_forms_cost_takes_no_names_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three names whose formulas come near leave less in richer forms, which cost more: one name that misses more than
+    these formulas is still no nearer."""
+    near, rich, alone = (SimpleNamespace(ids=ids, fit=None) for ids in (("a", "b", "c"), ("a", "b", "c"), ("a",)))
+    cost = {id(near): 25.0, id(rich): 38.0, id(alone): 29.0}
+    for name, told in {
+        "explains": lambda before, state: False,
+        "likeliest": lambda *_: None,
+        "structured": lambda *_: 1.0,
+        "surprise": lambda state: cost[id(state)],
+        "_pays": lambda *_: True,
+    }.items():
+        monkeypatch.setattr(fewest, name, told)
+    problem = SimpleNamespace(describes=True, plain="law")
+    search: Any = SimpleNamespace(
+        problem=problem, noise=None, states=[], enriched=lambda state: rich, freed=lambda before, ids, of=(): alone
+    )
+    found: Any = [fewest.fewest(search, leaving((), 10.0), one, {}, lambda state: True) for one in (near,)]
+    assert found == [rich]
+    cost[id(near)] = 36.0
+    assert fewest.fewest(search, leaving((), 10.0), cast(Any, near), {}, lambda state: True) is alone
 
 
 #: What is said below a number and above it; the cases lie within a factor of two of it on either side.

@@ -129,7 +129,19 @@ OF_LOAD: Mapping[str, Callable[[Array, Array], Array]] = {
     "smooth-force": lambda load, values: _smoothly(load, values[0], values[1:]),
     "smooth-slip": lambda load, values: _smoothly(load, values[0], values[1:]),
 }
+#: The forms that are smooth functions: of the strain read, or of the load.
+_SMOOTH = ("smooth", "smooth-force", "smooth-slip")
 #: The forms that bend the curve as another law would.
 BENDS = ("smooth", "yields", "yields-curved", "smooth-force")
 #: Those of the load by which the specimen has slipped: what was given is not taken back.
 STAYS = ("slips", "smooth-slip")
+
+
+def taken_back(form: str, values: Array, reach: float) -> Array:
+    """Return by how much the grips give less at each place told than at the one before, over the strain ``reach``: what
+    rises under a rising load as the specimen is pulled on is not taken back on the way. None of forms that only rise.
+
+    >>> taken_back("smooth", np.array([0.5, 0.01, 0.03, 0.02]), 0.5)
+    array([-0.04,  0.02])
+    """
+    return np.asarray(-np.diff(values[1:]) / reach if form in _SMOOTH else np.empty(0))

@@ -147,7 +147,7 @@ def mullins(context: DataContext) -> Effect:
             refines=("damage", "damage-power"),
         ),
     )
-    deep = [Constant(f"depth_{k}", 0.0, -0.5, 2.0, 0.1) for k in range(1, 4)]
+    deep = [Constant(f"depth_{k}", 0.0, 0.0, 2.0, 0.1) for k in range(1, 4)]
     lost = [Constant(f"lost_{k}", 0.0, -0.2, 0.9, 0.05) for k in range(1, 4)]
     begin = (1.0, 1.0, 0.1, 0.1, 0.15, 0.2, 0.0, 0.0, 0.0)
     smooth = [
