@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along
-from hyperfab.io.headings import heading, unit_of
+from hyperfab.io.headings import heading, unit_behind, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.rows import Row
 
@@ -23,6 +23,11 @@ _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung)\b|\b(ensayo|essai|prova|e
 _BETWEEN = re.compile(r";|, ")
 #: A setting under its group, in a cell of its own: Specimen properties : Width.
 _GROUPED = re.compile(r"[^:=]{1,60}? : ([^:=]+)")
+#: A number, perhaps with a unit behind it; and a name before one.
+_AMOUNT = re.compile(r"[-+]?\d[\d.,]* ?\S{0,12}")
+_KEY_AND_AMOUNT = re.compile(r"(\D{2,60}?) +([-+]?\d[\d.,]* ?\S{1,12})")
+#: Settings that are none, or change nothing.
+_UNTOLD = (None, "quiet")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 
 
@@ -55,6 +60,8 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     found: dict[str, list[Entry]] = {}
     for line, row in rows:
         cells = [part for cell in row for part in _parted(cell)]
+        if len(alone := [cell for cell in cells if cell]) == 1:
+            cells = _of_its_own(alone[0])
         title = [cell for cell in cells if cell]
         if _is_title(title) and kind_named(title[0]) is not None:
             found.setdefault("test", []).append(Entry(title[0], line, sure=False))
@@ -117,6 +124,27 @@ def _parted(cell: str) -> list[str]:
     """Return the settings of a cell that holds several, as ``b0 = 25 mm, a0 = 2 mm``; else the cell."""
     parts = [part.strip() for part in _BETWEEN.split(cell)]
     return parts if len(parts) > 1 and all(_SETTING.fullmatch(part) for part in parts if part) else [cell]
+
+
+def _of_its_own(line: str) -> list[str]:
+    """Return the known setting of a line that the separator of the table does not part, its unit behind the value: by a
+    separator of its own, or by the white space before an amount; else the line.
+
+    >>> _of_its_own('"Probenbreite","50 mm"'), _of_its_own("Width;50;mm"), _of_its_own("Gauge length 100 mm")
+    (['Probenbreite', '50 mm'], ['Width', '50', 'mm'], ['Gauge length', '100 mm'])
+    >>> _of_its_own("Breite 50,5 mm"), _of_its_own("Width of 50 strips, mean"), _of_its_own("b0 50,5 mm")
+    (['Breite', '50,5 mm'], ['Width of 50 strips, mean'], ['b0 50,5 mm'])
+    """
+    match = _KEY_AND_AMOUNT.fullmatch(line)
+    if match is not None and setting(match[1]) not in _UNTOLD and unit_behind(match[2]) is not None:
+        return [match[1], match[2]]
+    for mark in ";|\t,":
+        parts = [part.strip(' "') for part in line.split(mark)]
+        if not 1 < len(parts) < 4 or not parts[0] or is_number(parts[0].split()[-1]):
+            continue  # a decimal comma parts no name from its amount
+        if setting(parts[0]) not in _UNTOLD and _AMOUNT.fullmatch(" ".join(parts[1:])):
+            return parts
+    return [line]
 
 
 def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int] | None:

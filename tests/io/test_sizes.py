@@ -280,3 +280,18 @@ def test_sizes_in_a_small_table_above_are_taken_where_its_rows_agree(second: str
     one, two = read_tests(text.encode(), "a.csv")
     assert one.stretch[-1] == two.stretch[-1] == 1.3
     assert one.stress.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.15])
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Width;50 mm\nThickness;0,8 mm\nGauge length;100;mm",
+        '"Probenbreite","50 mm"\n"Probendicke","0.8 mm"\n"Einspannlänge","100 mm"',
+        "Probenbreite,50 mm\nProbendicke 0,8 mm\nGauge length 100 mm",
+        "Width of strips, cut by hand\nWidth 50,0 mm\nThickness 0.8 mm\nGauge length, 100 mm",
+    ],
+)
+def test_lines_above_are_parted_in_a_way_of_their_own(above: str) -> None:
+    rows = "".join(f"{way}\t{force}\n" for way, force in ROWS)
+    [found] = read(f"Tensile test\n{above}\n\nExtension [mm]\tLoad [N]\n{rows}")
+    assert is_strip(found)
