@@ -14,7 +14,8 @@ from hyperfab.loop.noise_estimate import MAD, third_differences
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.replicates import ride
 from hyperfab.loop.thresholds import MACHINE, SHARE, clearly
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, moving
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path
+from hyperfab.numerics.doubt import moving
 
 T = TypeVar("T", bound=TestCurve)
 

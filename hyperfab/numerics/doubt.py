@@ -58,3 +58,12 @@ def scatter(values: Array) -> float:
     if len(values) < 5:
         return float(np.ptp(values)) if len(values) else 0.0
     return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0))
+
+
+def moving(stretch: Array, across: Array) -> Array:
+    """Return the one of two stretches that moves most, the first where they move alike.
+
+    >>> moving(np.array([1.0, 1.0]), np.array([1.0, 1.2]))
+    array([1. , 1.2])
+    """
+    return across if float(np.ptp(across)) > float(np.ptp(stretch)) else stretch

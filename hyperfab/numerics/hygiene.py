@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, leap, scatter
+from hyperfab.numerics.doubt import FAR, SMALL_LEAP, SMALL_STEP, Doubt, leap, moving, scatter
 from hyperfab.numerics.rest import offset, starts_off, unzeroed
 from hyperfab.numerics.spikes import lost, off_in_hold, ringing, saturated
 
@@ -135,10 +135,14 @@ def look(
     branch: Ints | None = None,
     cycle: Ints | None = None,
 ) -> list[Doubt]:
-    """Return what is odd about one specimen's curve, gravest first. Arrays have one entry a row, in file order."""
+    """Return what is odd about one specimen's curve, gravest first. Arrays have one entry a row, in file order.
+
+    Of a general biaxial test, whose ``stretch2`` is told, the way is that of the axis that moves most: the other may be
+    held, or drawn in under a rising load.
+    """
     if len(stretch) < 3 or not np.any(stress):
         return []
-    way = stretch if np.ptp(stretch) > 0.0 or stretch2 is None else stretch2
+    way = stretch if stretch2 is None else moving(stretch, stretch2)
     gone = lost(way, stress)
     if gone:
         kept = np.delete(np.arange(len(way)), gone)

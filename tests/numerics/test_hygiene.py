@@ -381,3 +381,12 @@ def test_what_hangs_on_the_load_cell_is_told_where_fast_cycles_turn(sign: float,
     [told] = [one for one in look(stretch, sign * coarse(read), time=time) if one.kind == "ringing"]
     assert {199, 200, 201, 399, 400, 401} <= set(told.rows)
     assert all(197 <= row < 206 or 397 <= row < 406 for row in told.rows)
+
+
+def test_an_axis_that_is_drawn_in_while_the_other_is_pulled_does_not_tear() -> None:
+    """A weave pulled along the weft twice as hard: the warp shortens, and at the greatest load less than on the way."""
+    weft = 1.0 + 0.05 * np.concatenate([np.linspace(0.0, 1.0, 30), np.linspace(1.0, 0.0, 30)[1:]])
+    load = (weft - 1.0) / 0.05
+    warp = 1.0 - 0.04 * load * (1.0 - 0.7 * load) * np.repeat([1.0, 1.02], [30, 29])
+    said = {doubt.kind for doubt in look(warp, 10.0 * load, stretch2=weft, time=np.arange(59.0))}
+    assert not said & {"failing", "cycles", "unloading"}

@@ -25,8 +25,8 @@ from hyperfab.io.csv_tests import TestData, read_tests
 from hyperfab.io.layout import Layout
 from hyperfab.io.role_words import UnknownTest
 from hyperfab.loop.fabric_tests import thinned
-from hyperfab.materials.effects.path import moving
 from hyperfab.materials.modes import OF_A_SHEET
+from hyperfab.numerics.doubt import moving
 from hyperfab.numerics.hygiene import look
 from hyperfab.numerics.spikes import under_dead_load
 

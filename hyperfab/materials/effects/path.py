@@ -13,7 +13,7 @@ import numpy as np
 from hyperfab.arrays import Flags, Ints
 from hyperfab.materials.effects.kept import Kept
 from hyperfab.materials.law import Array
-from hyperfab.numerics.doubt import pace
+from hyperfab.numerics.doubt import moving, pace
 from hyperfab.numerics.hygiene import branches
 
 #: Codes of the deformation modes in ``Path.mode``.
@@ -272,15 +272,6 @@ def second_stretch(mode: Ints, stretch: Array, strip: Array, side: Array) -> Arr
     """
     given = np.where(mode == BIAXIAL, stretch, np.where(mode == SHEAR, 1.0, side))
     return np.where(mode == UNIAXIAL, strip, given)
-
-
-def moving(stretch: Array, across: Array) -> Array:
-    """Return the one of two stretches that moves most, the first where they move alike.
-
-    >>> moving(np.array([1.0, 1.0]), np.array([1.0, 1.2]))
-    array([1. , 1.2])
-    """
-    return across if float(np.ptp(across)) > float(np.ptp(stretch)) else stretch
 
 
 def held(stretch: Array, clock: Array) -> Flags:
