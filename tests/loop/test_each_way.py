@@ -18,6 +18,10 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.engine import close
 from hyperfab.loop.fabric import FabricProblem
+from hyperfab.loop.fitting import fit
+from hyperfab.loop.noise import Noise
+from hyperfab.materials import bind
+from hyperfab.materials.effects.elastic_law import EACH_WAY, richer
 
 ALONG = {"warp": {"C10_MPa": 0.02, "C20_MPa": 0.01}, "weft": {"C10_MPa": 0.005, "C20_MPa": 0.001}}
 PULL = np.linspace(1.0, 1.6, 41)
@@ -93,6 +97,46 @@ def test_threads_answer_each_way_too() -> None:
     alone = pulls((0.0, 0.013, PULL - 1.0), (90.0, 0.005, PULL - 1.0))
     problem = pose(in_terms(sheet, "cloth.json", alone.tests), "cloth.json", alone)
     assert "one rate" in problem.effect("rate").not_sought
+
+
+@pytest.mark.parametrize("read", [False, True])
+def test_a_free_law_told_by_strips_alone_is_no_other_in_the_plane(read: bool) -> None:
+    """Strips tell nothing of what an energy has beside a function of I1: terms of that made up for each other, and a
+    sheet stretched alike both ways bore a thousand times what a strip does."""
+    reach, random = {"warp": 1.07, "weft": 0.77}, np.random.default_rng(3)
+    tests = []
+    for angle, (far, toe, end, power) in zip((0.0, 90.0), ((1.07, 0.02, 0.8, 8), (0.77, 0.02, 1.5, 5)), strict=True):
+        strain = np.linspace(0.0, far, 61)
+        stress = 0.1 * (toe * np.tanh(strain / 0.06) + 0.5 * strain + end * (strain / far) ** power)
+        stress[1:] += 0.0008 * random.standard_normal(60)
+        across = (1.0 + strain) ** -0.4 if read else None
+        tests.append(TestCurve("uniaxial", 1.0 + strain, stress, stretch2=across, direction=angle, specimen=f"{angle}"))
+    told = {
+        "format": "hyperfab.material/1",
+        "model": "neo-hookean",
+        "parameters": {"C10_MPa": 0.02},
+        "thickness_mm": 1.0,
+        "directions": {way: {"parameters": {"C10_MPa": 0.02}} for way in reach},
+    }
+    knit = parse_document(told, "knit.json", MaterialDocument)
+    problem = pose(knit, "knit.json", Measured(tests, "MPa"))
+    effect = problem.effect("elastic-law")
+    (form,) = (one for one in effect.forms if one.free and one.refines and one.name.endswith(EACH_WAY))
+    noise = Noise(np.where(problem.channel == 0, 0.0008, 0.05), np.inf, "stated")
+    found = fit(problem, noise, {effect.id: form}, [*(one.value for one in problem.own), *form.starts[0]])
+    rows = problem.channel == 0
+    assert np.sqrt(np.mean(found.residual[rows] ** 2)) < 1.1
+    for (way, far), own in zip(reach.items(), problem.of_own(found.x[: found.own]), strict=False):
+        assert own is not None
+        plain = bind("neo-hookean", {"C10_MPa": float(own[0])})
+        sheet = richer(plain, form.name, form.named(found.x[found.own :]), weft=way == "weft")
+        l1, l2 = np.meshgrid(*2 * (np.linspace(1.0, 1.0 + far, 25)[1:],))
+        within = l1**2 + l2**2 + (l1 * l2) ** -2 <= (1.0 + far) ** 2 + 2.0 / (1.0 + far)
+        plane = sheet.membrane(l1, l2)
+        assert np.all((plane.A11 * plane.A22 > plane.A12**2)[within])
+        alike = np.linspace(1.05, 1.3, 6)
+        times = sheet.membrane(alike, alike).P1 / sheet.uniaxial(alike).P
+        assert np.all((times > 1.0) & (times < 4.0))
 
 
 @pytest.mark.parametrize(("near", "far"), [("warp", "weft"), ("weft", "warp")])

@@ -148,9 +148,12 @@ def _smooth_mixed(sheet: Sheet, reach: float) -> list[Term]:
     return [*_smooth(sheet, reach), *_second_invariant(sheet)[1:]]
 
 
-def _smooth_in_strain(strains: tuple[float, ...], sheet: Sheet, reach: float) -> list[Term]:
-    """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``strains``."""
-    stored, slopes = _in_strain(strains)
+def _smooth_in_strain(strains: tuple[float, ...], ends: str, sheet: Sheet, reach: float) -> list[Term]:
+    """Return energies of I1 whose slopes are smooth functions of its root, the strain, each 1 at one of ``strains``.
+
+    ``ends`` says how a spline begins and ends, as SciPy has it.
+    """
+    stored, slopes = _in_strain(strains, ends)
     s = np.sqrt(np.maximum(sheet.x, 0.0) / reach)
     energy, slope, rate = (np.moveaxis(values, -1, 0) for values in (stored(s), slopes(s), slopes(s, 1)))
     # At rest I1 does not change with the strain: what its second derivative is there does not matter.
@@ -159,16 +162,16 @@ def _smooth_in_strain(strains: tuple[float, ...], sheet: Sheet, reach: float) ->
 
 
 def _smooth_close(sheet: Sheet, reach: float) -> list[Term]:
-    return [*_smooth_in_strain(_CLOSE_TO_REST, sheet, reach), *_of_other_modes(sheet)]
+    return [*_smooth_in_strain(_CLOSE_TO_REST, "natural", sheet, reach), *_of_other_modes(sheet)]
 
 
 @lru_cache(maxsize=2)
-def _in_strain(strains: tuple[float, ...]) -> tuple[PPoly, PPoly]:
+def _in_strain(strains: tuple[float, ...], ends: str) -> tuple[PPoly, PPoly]:
     """Return the energies over ``reach`` and slopes (k) by s, the root of x over ``reach``; slopes go on straight."""
     from scipy.interpolate import CubicSpline, PPoly
 
     count = len(strains)
-    spline = CubicSpline((0.0, *strains), np.eye(count + 1)[:, 1:], bc_type="natural")
+    spline = CubicSpline((0.0, *strains), np.eye(count + 1)[:, 1:], bc_type=ends)
     end = np.stack([np.zeros(count), np.zeros(count), spline(1.0, 1), spline(1.0)])[:, None]
     slopes = PPoly(np.concatenate([spline.c, end], axis=1), [*spline.x, 2.0])
     # dx = reach d(s^2): the slope times 2 s, s being its beginning and what is beyond that in each piece.
@@ -203,7 +206,11 @@ _TOE = Added(("D_MPa", "at", "width"), _straightening)
 _FUNG = Added(("D_MPa", "b"), _exponential)
 _SECOND = Added(("C01_MPa", "C11_MPa", "C02_MPa"), _second_invariant)
 _CLOSE = Added(("reach", *(f"D_{k}_MPa" for k in range(1, 7)), "C01_MPa", "mu_MPa"), _smooth_close).and_log()
-_STRAIN = Added(("reach", *(f"D_{k}_MPa" for k in range(1, len(STRAINS) + 1))), partial(_smooth_in_strain, STRAINS))
+_STRAIN = Added(
+    ("reach", *(f"D_{k}_MPa" for k in range(1, len(STRAINS) + 1))),
+    # Where a test ends a law bends on as it does within.
+    partial(_smooth_in_strain, STRAINS, "not-a-knot"),
+)
 _SMOOTH = Added(
     ("reach", *(f"D_{k}_MPa" for k in range(1, 6)), "C01_MPa", "mu_MPa"), _smooth, lately=("mu_MPa",)
 ).and_log()
