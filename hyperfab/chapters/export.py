@@ -9,13 +9,16 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import UsageError
 from hyperfab.io.output import check_place, write_single
-from hyperfab.materials.export import NoCard, Settings, format_called, formats
-from hyperfab.materials.export.card import poisson
-from hyperfab.materials.hyperfoam import Hyperfoam
+from hyperfab.materials.effects.elastic_law import EACH_WAY, Richer
+from hyperfab.materials.export import Format, NoCard, Settings, format_called, formats
+from hyperfab.materials.export.card import is_of_I1, poisson
+from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.stability import stable_ranges
 
+#: The stretch at which it is told what a card lacks.
+_SHOWN = 1.1
 #: What a document's law may be.
 Law = Material | Orthotropic | Hyperfoam
 
@@ -40,10 +43,10 @@ def run(job: Job, case: ExportCase) -> int:
     turned = sheet and not told and direction in ("warp", "weft")
     if not (source.directions or told or turned):
         raise UsageError(f"--direction {direction}: {case.document} has no directions")
-    _warn(job, fabric, direction)
     fabric.used_at(job)
     job.judge_ranges()
-    law = fabric.law(None if turned else direction)
+    law = _law(fabric, None if turned else direction, chosen)
+    _warn(job, fabric, direction, whole=isinstance(law, Material) and isinstance(law.law, Richer))
     if isinstance(law, Orthotropic) and turned and direction == "weft":
         law = law.turned()
     bulk = case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa
@@ -61,6 +64,19 @@ def run(job: Job, case: ExportCase) -> int:
         raise UsageError(f"--to {case.to}: {error}{out}") from None
     write_single(job.target, card.encode(), job.inputs)
     return 0
+
+
+def _law(fabric: FabricDocument, direction: str | None, chosen: Format) -> Law:
+    """Return the law of the card: with the terms of ``elastic-law`` where the solver can hold it so, else as its
+    constants alone tell it."""
+    added = [one for one in fabric.document.effects or [] if one.get("id") == "elastic-law" and not one.get("told_by")]
+    # Of a law whose added terms differ each way no card stands for both.
+    told = direction is not None or not any(str(one.get("form")).endswith(EACH_WAY) for one in added)
+    if added and told and chosen.curve is not None and fabric.document.model not in (*ORDERS, ORTHOTROPIC):
+        whole = fabric.material(direction, anisotropic=False)
+        if is_of_I1(whole):
+            return whole
+    return fabric.law(direction)
 
 
 def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law, bulk: float | None) -> None:
@@ -99,8 +115,8 @@ def _way_out(law: Orthotropic | Hyperfoam, settings: Settings) -> str:
     return "none of the solvers can: fit a law of each direction, as --model yeoh-3, and export it with --direction"
 
 
-def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
-    """Say what the card cannot say."""
+def _warn(job: Job, fabric: FabricDocument, direction: str | None, whole: bool) -> None:
+    """Say what the card cannot say; ``whole``: it has the terms of ``elastic-law``."""
     source = fabric.document
     stable = source.directions[direction].stable if source.directions and direction in source.directions else None
     if (source.stable if stable is None else stable) is False:
@@ -111,20 +127,28 @@ def _warn(job: Job, fabric: FabricDocument, direction: str | None) -> None:
         )
     # What stands in the constants themselves is in the card.
     told = {"directions": direction is not None, "model": True, "temperatures": True}
+    there = {"thermal-softening", *(["elastic-law"] if whole else [])}
     names = [
         str(effect.get("id", "?"))
         for effect in source.effects or []
-        if not (told.get(str(effect.get("told_by")), False) or effect.get("id") == "thermal-softening")
+        if not (told.get(str(effect.get("told_by")), False) or effect.get("id") in there)
         or effect.get("diagonal_softness")
     ]
     if names:
-        job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}")
+        less = ""
+        if "elastic-law" in names and source.model not in (*ORDERS, ORTHOTROPIC):
+            alone, all_of_it = fabric.law(direction), fabric.material(direction)
+            if isinstance(alone, Material):
+                ratio = float(alone.uniaxial(_SHOWN).P / all_of_it.uniaxial(_SHOWN).P)
+                less = f": at a stretch of {_SHOWN:g} it bears {ratio:.2g} times the stress"
+        job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}{less}")
 
 
 def _comments(fabric: FabricDocument, law: Law, direction: str | None) -> list[str]:
     """Return what a reader of the card should know, a line each."""
     source, shown = fabric.document, fabric.temperature
-    lines = [f"hyperfab {__version__}: {source.model}; units N, mm, MPa, t, s"]
+    added = " with the terms of elastic-law" if isinstance(law, Material) and isinstance(law.law, Richer) else ""
+    lines = [f"hyperfab {__version__}: {source.model}{added}; units N, mm, MPa, t, s"]
     at = [direction] if direction else []
     at += [f"{shown:g} degC"] if shown is not None else []
     at += [f"none known there: those of {fabric.held_at:g} degC"] if fabric.held_at is not None else []

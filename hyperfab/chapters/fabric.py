@@ -66,11 +66,11 @@ class FabricDocument:
         told = [[replace(self, asked=asked).constants(way) for way in ways] for asked in temperatures]
         return any(one != told[0] for one in told)
 
-    def material(self, direction: str | None = None) -> Material:
+    def material(self, direction: str | None = None, *, anisotropic: bool = True) -> Material:
         """Return the law along ``direction`` at the temperature asked for, with the terms of ``elastic-law``."""
         softening = self._softening()
         own = self.constants(direction) if softening is None else self.document.constants(direction)
-        material = self._bound(own, direction)
+        material = self._bound(own, direction, anisotropic)
         for index, effect in enumerate(self.document.effects or []):
             if effect.get("id") == "elastic-law" and not effect.get("told_by"):
                 material = self._richer(material, effect, f"effects.{index}", direction == "weft")

@@ -5,8 +5,13 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import Run
+
+from hyperfab.chapters.fabric import FabricDocument
+from hyperfab.documents.base import parse_document
+from hyperfab.documents.material import MaterialDocument
 
 LYCRA = [f"specimens/lycra/{name}-23C.csv" for name in ("warp", "weft")]
 
@@ -156,3 +161,31 @@ def test_a_sheet_written_by_hand_is_turned_too(hf: Run) -> None:
         done = hf("export", "-", "--to", "febio", "--direction", "bias", stdin=json.dumps(document).encode())
         assert done.returncode == 2
         document.pop("directions", None)
+
+
+@pytest.mark.parametrize("way", ["warp", "weft"])
+def test_terms_added_to_a_law_are_in_the_card_that_can_hold_them(hf: Run, way: str) -> None:
+    """A card of the constants alone bore several times the stress of the law that the loop had found."""
+    constants = {"C10_MPa": 0.04}
+    slopes = {f"D_{k}{side}_MPa": -0.02 + 0.006 * k for k in range(1, 10) for side in ("", "_weft")}
+    form = {"reach": 2.0, "reach_weft": 1.0, **slopes, "D_9_weft_MPa": 0.1}
+    document = {
+        "format": "hyperfab.material/1", "model": "neo-hookean", "parameters": constants, "thickness_mm": 1.0,
+        "directions": {one: {"parameters": constants} for one in ("warp", "weft")},
+        "effects": [{"id": "elastic-law", "form": "smooth-strain-each-way", "parameters": form}],
+    }  # fmt: skip
+    told = json.dumps(document).encode()
+    done = hf("export", "-", "--to", "abaqus", "--direction", way, stdin=told)
+    assert done.returncode == 0
+    assert b"without" not in done.stderr
+    card = done.stdout.decode()
+    assert "neo-hookean with the terms of elastic-law" in card
+    rows = [tuple(map(float, line.split(","))) for line in card.split("TEST DATA\n")[1].splitlines()]
+    law = FabricDocument(parse_document(document, "loop.json", MaterialDocument), "loop.json").material(way)
+    stretches = 1.0 + np.array([strain for _, strain in rows])
+    np.testing.assert_allclose([stress for stress, _ in rows], law.uniaxial(stretches).P, rtol=1e-12, atol=1e-15)
+    for asked in (["--to", "abaqus"], ["--to", "ansys", "--direction", way]):
+        lacks = hf("export", "-", *asked, stdin=told).stderr.decode()
+        assert "without the effects elastic-law: at a stretch of 1.1 it bears" in lacks
+    ratio = 2.0 * 0.04 * (1.1 - 1.1**-2) / float(law.uniaxial(1.1).P)
+    assert f"it bears {ratio:.2g} times the stress" in lacks

@@ -283,12 +283,14 @@ def richer(material: Material, form: str, constants: Mapping[str, float], *, wef
     True
     """
     one, values = along(form, FORMS[form].of(constants), weft)
-    law = _Richer(material.law, one)
+    law = Richer(material.law, one)
     c, shape = FORMS[one].split(values)
     return Material(law, (*material.c, *c), (*material.theta, *shape))
 
 
-class _Richer(Law):
+class Richer(Law):
+    """A law with the terms of a form of the effect on top."""
+
     title = "a law with terms added"
     source = "hyperfab.materials.effects.elastic_law"
 

@@ -6,6 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from hyperfab.materials.effects.elastic_law import Richer
 from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
@@ -42,7 +45,8 @@ FoamWriter = Callable[[Hyperfoam, Settings], list[str]]
 class Format:
     """A solver's card format: its name, how it marks comments, a writer for each law.
 
-    ``foam`` writes a hyperfoam, ``sheet`` an orthotropic sheet, where the solver has a law of threads.
+    ``foam`` writes a hyperfoam; ``sheet`` an orthotropic sheet, where the solver has a law of threads; ``curve`` any
+    law of I1 alone, where it takes that by its uniaxial curve.
     """
 
     name: str
@@ -50,6 +54,7 @@ class Format:
     writers: Mapping[str, Writer]
     foam: FoamWriter
     sheet: SheetWriter | None = None
+    curve: Writer | None = None
 
     def card(self, law: Material | Orthotropic | Hyperfoam, settings: Settings) -> str:
         """Return the card as text; NoCard with the reasons where the solver cannot hold the law."""
@@ -69,6 +74,10 @@ class Format:
                     "weft and shear each by itself, not one energy of the sheet"
                 )
             return self.sheet(law, settings)
+        if isinstance(law.law, Richer):
+            if self.curve is None:
+                raise NoCard(f"{self.name} has no law like {law.law.equation}")
+            return self.curve(law, settings)
         writer = self.writers.get(law.law.name)
         if writer is None:
             known = ", ".join(self.writers)
@@ -128,6 +137,22 @@ def refuse(name: str, law: Orthotropic, also: Mapping[str, str] | None = None) -
         why.append(f"nu {p['nu']:g}: its ground keeps its volume (0.5)")
     if why:
         raise NoCard(f"{name} cannot hold this orthotropic sheet: {'; '.join(why)}")
+
+
+def is_of_I1(material: Material) -> bool:
+    """Whether the energy is a function of I1 alone, which the curve of a strip then tells for every state.
+
+    >>> is_of_I1(bind("gent", {"mu_MPa": 0.3, "Im": 20.0}))
+    True
+    >>> is_of_I1(bind("mooney-rivlin-2", {"C10_MPa": 0.2, "C01_MPa": 0.01}))
+    False
+    """
+    strip = np.linspace(1.05, 1.5, 10)
+    reached = strip**2 + 2.0 / strip
+    # Equal stretches l of the same I1, by the square x: 2 x + 1/x^2.
+    square = np.array([max(np.roots([2.0, -one, 0.0, 1.0]).real) for one in reached])
+    alike = material.membrane(np.sqrt(square), np.sqrt(square)).W
+    return bool(np.allclose(material.membrane(strip, strip**-0.5).W, alike, rtol=1e-9, atol=0.0))
 
 
 def cij(material: Material, *names: str) -> list[float]:

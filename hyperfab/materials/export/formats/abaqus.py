@@ -137,6 +137,7 @@ FORMAT = Format(
     name="abaqus",
     foam=_foam,
     sheet=_sheet,
+    curve=_marlow,
     comment=lambda line: f"** {line}",
     writers={
         **dict.fromkeys(("neo-hookean", "yeoh-1"), _polynomial("NEO HOOKE", 1, "10")),
