@@ -152,7 +152,7 @@ def is_of_I1(material: Material) -> bool:
     # Equal stretches l of the same I1, by the square x: 2 x + 1/x^2.
     square = np.array([max(np.roots([2.0, -one, 0.0, 1.0]).real) for one in reached])
     alike = material.membrane(np.sqrt(square), np.sqrt(square)).W
-    return bool(np.allclose(material.membrane(strip, strip**-0.5).W, alike, rtol=1e-9, atol=0.0))
+    return bool(np.allclose(material.membrane(strip, strip**-0.5).W, alike, rtol=1e-9, atol=0.0, equal_nan=True))
 
 
 def cij(material: Material, *names: str) -> list[float]:
