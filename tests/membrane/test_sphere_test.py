@@ -168,7 +168,10 @@ def test_a_square_mounted_slack_is_followed_while_its_corners_hang(hold):
     assert here.reaction == pytest.approx(here.force, rel=1e-5)
 
 
-@pytest.mark.parametrize("shape", [outline.Disc(100.0, quarter=True), outline.Square(200.0, quarter=True)])
+@pytest.mark.parametrize(
+    "shape",
+    [outline.Disc(100.0, quarter=True), pytest.param(outline.Square(200.0, quarter=True), marks=pytest.mark.slow)],
+)
 def test_a_sheet_mounted_slack_bears_from_where_it_is_taut_on(shape):
     """The way from the tip over the sphere and straight to the rim, 98.5 mm off, is 100 mm long at 17.049 mm."""
     centre = 17.0493164157 - 40.0
