@@ -12,7 +12,7 @@ from hyperfab.io.output import check_place, write_single
 from hyperfab.materials.effects.elastic_law import EACH_WAY, Richer
 from hyperfab.materials.export import Format, NoCard, Settings, format_called, formats
 from hyperfab.materials.export.card import is_of_I1, poisson
-from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
+from hyperfab.materials.hyperfoam import Hyperfoam
 from hyperfab.materials.material import Material
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.stability import stable_ranges
@@ -43,10 +43,10 @@ def run(job: Job, case: ExportCase) -> int:
     turned = sheet and not told and direction in ("warp", "weft")
     if not (source.directions or told or turned):
         raise UsageError(f"--direction {direction}: {case.document} has no directions")
+    law = _law(fabric, None if turned else direction, chosen)
+    _warn(job, fabric, law, direction)
     fabric.used_at(job)
     job.judge_ranges()
-    law = _law(fabric, None if turned else direction, chosen)
-    _warn(job, fabric, direction, whole=isinstance(law, Material) and isinstance(law.law, Richer))
     if isinstance(law, Orthotropic) and turned and direction == "weft":
         law = law.turned()
     bulk = case.bulk_modulus if case.bulk_modulus is not None else source.bulk_modulus_MPa
@@ -69,14 +69,19 @@ def run(job: Job, case: ExportCase) -> int:
 def _law(fabric: FabricDocument, direction: str | None, chosen: Format) -> Law:
     """Return the law of the card: with the terms of ``elastic-law`` where the solver can hold it so, else as its
     constants alone tell it."""
-    added = [one for one in fabric.document.effects or [] if one.get("id") == "elastic-law" and not one.get("told_by")]
     # Of a law whose added terms differ each way no card stands for both.
-    told = direction is not None or not any(str(one.get("form")).endswith(EACH_WAY) for one in added)
-    if added and told and chosen.curve is not None and fabric.document.model not in (*ORDERS, ORTHOTROPIC):
+    told = direction is not None or not any(str(one.get("form")).endswith(EACH_WAY) for _, one in fabric.added)
+    law = fabric.law(direction)
+    if isinstance(law, Material) and fabric.added and told and chosen.curve is not None:
         whole = fabric.material(direction, anisotropic=False)
         if is_of_I1(whole):
             return whole
-    return fabric.law(direction)
+    return law
+
+
+def _has_terms(law: Law) -> bool:
+    """Whether a law has the terms of ``elastic-law``."""
+    return isinstance(law, Material) and isinstance(law.law, Richer)
 
 
 def _check_volume(job: Job, case: ExportCase, source: MaterialDocument, law: Law, bulk: float | None) -> None:
@@ -115,8 +120,8 @@ def _way_out(law: Orthotropic | Hyperfoam, settings: Settings) -> str:
     return "none of the solvers can: fit a law of each direction, as --model yeoh-3, and export it with --direction"
 
 
-def _warn(job: Job, fabric: FabricDocument, direction: str | None, whole: bool) -> None:
-    """Say what the card cannot say; ``whole``: it has the terms of ``elastic-law``."""
+def _warn(job: Job, fabric: FabricDocument, law: Law, direction: str | None) -> None:
+    """Say what the card of a ``law`` cannot say."""
     source = fabric.document
     stable = source.directions[direction].stable if source.directions and direction in source.directions else None
     if (source.stable if stable is None else stable) is False:
@@ -127,7 +132,7 @@ def _warn(job: Job, fabric: FabricDocument, direction: str | None, whole: bool) 
         )
     # What stands in the constants themselves is in the card.
     told = {"directions": direction is not None, "model": True, "temperatures": True}
-    there = {"thermal-softening", *(["elastic-law"] if whole else [])}
+    there = {"thermal-softening", *(["elastic-law"] if _has_terms(law) else [])}
     names = [
         str(effect.get("id", "?"))
         for effect in source.effects or []
@@ -136,18 +141,16 @@ def _warn(job: Job, fabric: FabricDocument, direction: str | None, whole: bool) 
     ]
     if names:
         less = ""
-        if "elastic-law" in names and source.model not in (*ORDERS, ORTHOTROPIC):
-            alone, all_of_it = fabric.law(direction), fabric.material(direction)
-            if isinstance(alone, Material):
-                ratio = float(alone.uniaxial(_SHOWN).P / all_of_it.uniaxial(_SHOWN).P)
-                less = f": at a stretch of {_SHOWN:g} it bears {ratio:.2g} times the stress"
+        if "elastic-law" in names and isinstance(law, Material):
+            ratio = float(law.uniaxial(_SHOWN).P / fabric.material(direction).uniaxial(_SHOWN).P)
+            less = f": at a stretch of {_SHOWN:g} it bears {ratio:.2g} times the stress"
         job.console.warn(f"the card has the elastic law alone, without the effects {', '.join(names)}{less}")
 
 
 def _comments(fabric: FabricDocument, law: Law, direction: str | None) -> list[str]:
     """Return what a reader of the card should know, a line each."""
     source, shown = fabric.document, fabric.temperature
-    added = " with the terms of elastic-law" if isinstance(law, Material) and isinstance(law.law, Richer) else ""
+    added = " with the terms of elastic-law" if _has_terms(law) else ""
     lines = [f"hyperfab {__version__}: {source.model}{added}; units N, mm, MPa, t, s"]
     at = [direction] if direction else []
     at += [f"{shown:g} degC"] if shown is not None else []

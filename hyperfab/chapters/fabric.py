@@ -71,13 +71,18 @@ class FabricDocument:
         softening = self._softening()
         own = self.constants(direction) if softening is None else self.document.constants(direction)
         material = self._bound(own, direction, anisotropic)
-        for index, effect in enumerate(self.document.effects or []):
-            if effect.get("id") == "elastic-law" and not effect.get("told_by"):
-                material = self._richer(material, effect, f"effects.{index}", direction == "weft")
+        for index, effect in self.added:
+            material = self._richer(material, effect, f"effects.{index}", direction == "weft")
         if softening is None:
             return material
         factor = self._factor(*softening)
         return replace(material, c=tuple(factor * value for value in material.c))
+
+    @property
+    def added(self) -> list[tuple[int, Mapping[str, Any]]]:
+        """The terms of ``elastic-law`` that stand in no constants of the law, by their place among the effects."""
+        every = enumerate(self.document.effects or [])
+        return [(k, one) for k, one in every if one.get("id") == "elastic-law" and not one.get("told_by")]
 
     def law(self, direction: str | None = None) -> Material | Orthotropic | Hyperfoam:
         """Return the law as its constants alone tell it, at the temperature asked for: without the terms of effects."""

@@ -224,12 +224,8 @@ class FabricProblem(Problem):
         """Return by how much grips give less than they did before, though the pull went on."""
         if "grip-slack" not in terms:
             return {}
-        back = grip_slack.taken_back(*terms["grip-slack"], self._farthest)
+        back = grip_slack.taken_back(*terms["grip-slack"], self.fabric.path.reach)
         return {f"what grips take back at place {k}": float(one) for k, one in enumerate(back, 2)}
-
-    @cached_property
-    def _farthest(self) -> float:
-        return max(float(np.max(self.fabric.path.outward.stretch)) - 1.0, 1e-3)
 
     @cached_property
     def _directions(self) -> Array:

@@ -128,6 +128,11 @@ class Path:
         return np.asarray(4.0 * self.weft_share * (1.0 - self.weft_share))
 
     @cached_property
+    def reach(self) -> float:
+        """Largest strain, of what was pressed that of a pull as far."""
+        return max(float(np.max(self.outward.stretch)) - 1.0, 1e-3)
+
+    @cached_property
     def any_pressed(self) -> bool:
         """Whether any specimen is pressed."""
         return bool(np.any(self.pressed))

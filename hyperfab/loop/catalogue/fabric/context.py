@@ -52,7 +52,7 @@ class DataContext:
     @property
     def reach(self) -> float:
         """Largest strain in the data, of what was pressed that of a pull as far."""
-        return max(float(np.max(self.path.outward.stretch)) - 1.0, 1e-3)
+        return self.path.reach
 
     def reach_along(self, weft: bool) -> float:
         """Largest strain of what was pulled along the warp or the ``weft``, or between."""

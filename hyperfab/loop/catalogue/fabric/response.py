@@ -261,14 +261,14 @@ def elastic_law(context: DataContext) -> Effect:
     beside, single = (mixed[0], Constant("mu_MPa", 0.0, scale=0.1 * size)), context.led_alike
     two_axes, several = context.has_one_mode and not single, not (context.has_one_mode or single)
     smooths = []
-    for name, count, more, tried, turns in (
-        ("smooth-strain", len(STRAINS), (), single, single),
-        ("smooth-close", 6, (*beside, log), two_axes, two_axes),
-        ("smooth", 5, (*beside, log), several, several),
-        ("smooth-mixed", 5, (*beside, *both[1:], log), several, False),
+    for name, count, more, tried in (
+        ("smooth-strain", len(STRAINS), (), single),
+        ("smooth-close", 6, (*beside, log), two_axes),
+        ("smooth", 5, (*beside, log), several),
+        ("smooth-mixed", 5, (*beside, *both[1:], log), several),
     ):
         free = (*(Constant(f"D_{k}_MPa", 0.0, scale=0.1 * size) for k in range(1, count + 1)), *more)
-        alike = freely(forms, name, (fixed("reach", far), *free), (far, *(0.01 * size for _ in free)))
+        alike = freely(forms, name, (fixed("reach", far), *free), (far, *len(free) * (0.01 * size,)))
         smooths += tried_if(tried, alike)
         if f"{name}{EACH_WAY}" in FORMS:
             ends = [fixed("reach", far)]
@@ -278,7 +278,7 @@ def elastic_law(context: DataContext) -> Effect:
             weft = (replace(constant, name=of_weft(constant.name)) for constant in free)
             each = (ends[0], *free, *ends[1:], *weft)
             start = tuple(constant.value or 0.01 * size for constant in each)
-            smooths += tried_if(turns and context.directions, freely([*forms, alike], f"{name}{EACH_WAY}", each, start))
+            smooths += tried_if(tried and context.directions, freely([*forms, alike], f"{name}{EACH_WAY}", each, start))
     return Effect(
         id="elastic-law",
         title="the strain-energy law is too poor",
