@@ -182,6 +182,9 @@ class MaterialDocument(Document):
     stability_plane: StablePlane | None = None
     stable: bool | None = optional("Drucker-stable over the stretches of the tests")
     accepted: bool | None = optional("whether the fit is within --accept")
+    carry_over: float | None = optional(
+        "relative rms expected for tests the constants have not seen, up to the I1 tested"
+    )
     accepted_by: str | None = optional(
         "the figure that --accept bounds: relative_rms (orthotropic: a stress below a tenth of the peak "
         "counts as that); nrmse in an absolute fit and of a foam, which minimise it"

@@ -16,7 +16,7 @@ FULL = {
     "format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.2}, "thickness_mm": 0.6,
     "thickness_nominal": True, "temperature_degC": 23.0, "directions": {"warp": DIRECTION}, "temperatures": [ROW],
     "fit": FIT, "stability": {"shear": RANGE}, "stability_plane": PLANE, "stable": True, "accepted": True,
-    "accepted_by": "relative_rms",
+    "accepted_by": "relative_rms", "carry_over": 0.2,
     "objective": "relative", "fit_on": ["uniaxial"], "left_out": {"zero": 1}, "preparation": ["zeroed"],
     "replicates": [{"test": "uniaxial", "specimens": 3, "scatter": 0.01}], "bulk_modulus_MPa": 5.0,
     "warnings": ["weak"], "models": [{"model": "gent"}], "effects": [{"id": "rate", "parameters_sd": {"g": 0.1}}],

@@ -242,7 +242,7 @@ def _judge_all(job: Job, candidates: Sequence[Law], sets: Sets, setting: Setting
     with job.console.progress("Identifying") as advance:
         for number, candidate in enumerate(candidates):
             advance(number / len(candidates), candidate.name)
-            judged.append(judge(candidate, sets, setting, ranked=len(candidates) > 1))
+            judged.append(judge(candidate, sets, setting))
     return sorted(judged, key=lambda one: one.best_first)
 
 
@@ -289,6 +289,7 @@ def _document(
         stability_plane=describe.plane(whole, data_reach, with_plane),
         stable=best.stable,
         accepted=best.accepted,
+        carry_over=best.carry_over if math.isfinite(best.carry_over) else None,
         replicates=replicates(readings.curves) or None,
         warnings=warnings or None,
         models=None if ranking is None else [describe.model_row(one, data_reach) for one in ranking],

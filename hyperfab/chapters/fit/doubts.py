@@ -25,13 +25,15 @@ ENOUGH = 8
 DENSE = 40
 #: A share that is most: of what decides one constant, and of the readings that are missed.
 MOST = 0.5
+#: An error to be feared that is as much as what is foretold.
+AS_MUCH = 1.0
 #: So many readings are named in warnings; the document has all.
 SHOWN = 5
 
 
 def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
     """Say why the constants should be used with care."""
-    found = []
+    found = _untold(best, setting)
     if not best.accepted and any(curve.mode == "biaxial-general" for curve in sets.get(None, ())):
         found.append(
             f"{best.law.name} is the same along both axes of these tests, and not accepted; --model orthotropic tells "
@@ -69,6 +71,19 @@ def doubts(best: Judged, sets: Sets, setting: Setting) -> list[str]:
         found += _single_readings(part, rows_of(part, sets, name), setting)
         found += _near_zero(part, rows_of(part, sets, name), setting, where)
     return found
+
+
+def _untold(best: Judged, setting: Setting) -> list[str]:
+    """Say where tests of one kind leave open what a law bears in the others."""
+    one_kind = all(len(part.tests) == 1 for _, part in best.parts)
+    if not (one_kind and best.accepted and best.stable and best.law.isotropic and best.carry_over > AS_MUCH):
+        return []
+    error = f"an error of {best.carry_over:.2g} times the stress" if math.isfinite(best.carry_over) else "any error"
+    return [
+        f"{setting.fit_on[0]} tests alone do not tell what {best.law.name} bears in other states: {error} is to be "
+        "feared there; a law of fewer or other constants may carry over (--model all ranks them by that), tests of "
+        "another kind would tell"
+    ]
 
 
 def _near_zero(part: Identified, curves: Sequence[TestCurve], setting: Setting, where: str) -> list[str]:

@@ -59,15 +59,15 @@ class Judged:
         return (not (self.accepted and self.stable), self.carry_over, error, len(self.law.names))
 
 
-def judge(law: Law, sets: Sets, setting: Setting, ranked: bool) -> Judged:
-    """Fit ``law`` to every set of curves; with ``ranked``, find how it carries over."""
+def judge(law: Law, sets: Sets, setting: Setting) -> Judged:
+    """Fit ``law`` to every set of curves, and find how it carries over (a law with directions of its own: infinite)."""
     results = _results(law, sets, setting)
     names: list[str | None] = [name for name in sets if name is not None] or [None]
     good = [part for name in names if isinstance(part := results[name], Identified)]
     if len(good) < len(names) or isinstance(results[None], str):
         return Judged(law, results, math.inf, False, False)
     carry = math.inf
-    if ranked:
+    if law.isotropic:
         carry = max(_carry_over(sets[name], setting, part) for name, part in zip(names, good, strict=True))
     return Judged(
         law,
