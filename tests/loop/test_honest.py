@@ -86,7 +86,9 @@ def rubber(lam: np.ndarray) -> np.ndarray:
     return np.asarray(2.0 * 0.1 * (lam - lam**-2.0) * (1.0 + 0.3 * (lam**2 + 2.0 / lam - 3.0)))
 
 
-@pytest.mark.parametrize("weft", [0.1, 0.2, 0.8])
+@pytest.mark.parametrize(
+    "weft", [0.1, pytest.param(0.2, marks=pytest.mark.slow), pytest.param(0.8, marks=pytest.mark.slow)]
+)
 def test_protocols_of_a_biaxial_test_are_no_replicates_of_each_other(weft: float) -> None:
     problem = posed(biaxial(weft))
     scatter = estimate_noise(problem).gain_sd

@@ -59,7 +59,11 @@ def led(stretched: Stretched, tops: Sequence[float], mode: str, seed: int) -> Te
 
 @pytest.mark.parametrize(
     ("stretched", "modes"),
-    [(late, ("uniaxial", "uniaxial")), (late_to_show, ("uniaxial", "uniaxial")), (by_stress, ("uniaxial", "biaxial"))],
+    [
+        pytest.param(late, ("uniaxial", "uniaxial"), marks=pytest.mark.slow),
+        (late_to_show, ("uniaxial", "uniaxial")),
+        pytest.param(by_stress, ("uniaxial", "biaxial"), marks=pytest.mark.slow),
+    ],
 )
 def test_a_set_that_no_formula_has_is_named_alone(stretched: Stretched, modes: Sequence[str]) -> None:
     tops = {"uniaxial": (1.2, 1.4, 1.6, 1.9), "biaxial": (1.3, 1.5)}

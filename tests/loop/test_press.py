@@ -268,7 +268,7 @@ def of_contact(effects: tuple[str, ...], seed: int) -> Finding:
     return close_rounds(case.problem, case.noise, design=False)[1]
 
 
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [pytest.param(3, marks=pytest.mark.slow), 4])
 def test_an_edge_of_contact_that_lies_elsewhere_is_no_noise(seed: int) -> None:
     """Of spherical caps a tilt is a shift, and much like a wedge of foam: one stands for the others."""
     found = of_contact(("tilt",), seed)

@@ -69,6 +69,7 @@ def test_a_sheet_of_other_stiffness_at_every_angle_is_anisotropic_and_no_more(mo
     assert found.after.judgement.beside_machine <= found.after.judgement.structured
 
 
+@pytest.mark.slow
 def test_strips_that_become_narrower_between_warp_and_weft_need_no_other_name() -> None:
     found = closed("mooney-rivlin-3", strips(contracts=True))
     assert found.verdict == "effect"

@@ -69,7 +69,14 @@ def found(seed: int, temperatures: tuple[float, ...], slack: float = 0.0, offset
     return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests), design=False)
 
 
-@pytest.mark.parametrize(("seed", "verdict"), [(1, "effect"), (2, "effect"), (3, "effect")])
+@pytest.mark.parametrize(
+    ("seed", "verdict"),
+    [
+        (1, "effect"),
+        pytest.param(2, "effect", marks=pytest.mark.slow),
+        pytest.param(3, "effect", marks=pytest.mark.slow),
+    ],
+)
 def test_slack_of_each_specimen_is_found_beside_its_stiffness(seed: int, verdict: str) -> None:
     """Or with a load cell off its zero, which does nearly the same."""
     one = found(seed, (23.0,), slack=0.015)
@@ -78,14 +85,14 @@ def test_slack_of_each_specimen_is_found_beside_its_stiffness(seed: int, verdict
     assert one.indistinguishable == ([["grip-slack", "load-offset"]] if verdict == "ambiguous" else [])
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow), pytest.param(3, marks=pytest.mark.slow)])
 def test_zeros_of_the_cell_of_each_specimen_are_found_beside_its_stiffness(seed: int) -> None:
     one = found(seed, (23.0,), offset=0.04)
     assert (one.verdict, one.after.ids) == ("effect", ("load-offset",))
     assert one.after.fit.forms["load-offset"].name == "each"
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_slack_of_each_specimen_does_not_hide_what_heat_does(seed: int) -> None:
     one = found(seed, (23.0, 80.0), slack=0.015)
     assert one.verdict == "effect"
@@ -141,7 +148,7 @@ def one_of_each(seed: int, soften: float) -> Finding:
     return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests, weft=weft), design=False)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_what_single_specimens_scatter_by_is_noise_to_verdict_and_belief_alike(seed: int) -> None:
     one = one_of_each(seed, 0.2)
     assert (one.verdict, one.after.ids) == ("effect", ("thermal-softening",))
@@ -150,7 +157,7 @@ def test_what_single_specimens_scatter_by_is_noise_to_verdict_and_belief_alike(s
     assert max(p for name, p in one.belief.of.items() if name != "thermal-softening") < 0.1
 
 
-@pytest.mark.parametrize("seed", [0, 6])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), 6])
 def test_single_specimens_that_scatter_alone_are_noise(seed: int) -> None:
     one = one_of_each(seed, 0.0)
     assert (one.verdict, one.after.ids) == ("noise", ())

@@ -117,6 +117,7 @@ def tissue() -> FabricProblem:
     return fabric_problem(law("ogden-1"), (1e-9, 26.0), tests)
 
 
+@pytest.mark.slow
 def test_what_misses_by_far_more_than_readings_wander_is_no_noise(monkeypatch: pytest.MonkeyPatch) -> None:
     """Few readings hardly tell how far they wander: a model that misses by 15 times that is wrong all the same."""
 
