@@ -15,8 +15,8 @@ from hyperfab.io.encoding import decode
 from hyperfab.io.headings import Heading, heading, meaning, unit_behind
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.named_tests import kind_named
-from hyperfab.io.rows import MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
-from hyperfab.io.settings import Entry, entry_of, settings
+from hyperfab.io.rows import CELL, MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
+from hyperfab.io.settings import Entry, entry_of, settings, sizes
 from hyperfab.io.table_readings import keep_readings
 from hyperfab.io.tables import (
     Block,
@@ -121,25 +121,26 @@ def _of_workbook(data: bytes, name: str, fits: Fits, layout: Layout) -> list[Csv
     book, picked = split_sheet(name)
     with placed(book):
         titles = worksheets(data, picked)
+    skip = layout.skip_rows or 0
+    filled = {title: [row for row in rows if row[0] > skip and any(row[1])] for title, rows in titles}
+    tables = {title: find(rows, fits, layout) for title, rows in filled.items()}
+    beside = sizes([row for title, rows in filled.items() if not tables[title] for row in rows])
 
     def sheets(title: str, blocks: Sequence[Block]) -> list[CsvSheet]:
         there = name if picked else f"{name}:{title}"
         with placed(there):
             blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks)
-            made = [replace(_sheet(block, there, "cell", {}, layout), label=title) for block in blocks]
+            for block in blocks:
+                block.metadata = {**beside, **block.metadata}
+            made = [replace(_sheet(block, there, CELL, {}, layout), label=title) for block in blocks]
         return made
 
-    for title, rows in titles:
-        skipped = [row for row in rows if row[0] > (layout.skip_rows or 0) and any(row[1])]
-        found += sheets(title, find(skipped, fits, layout))
+    for title, blocks in tables.items():
+        found += sheets(title, blocks)
     if not found:  # the only table there is: its columns are then named in the message
-        tables = [
-            (title, block)
-            for title, rows in titles
-            for block in find([row for row in rows if any(row[1])], lambda heads: len(heads) > 1, layout)
-        ]
-        if len(tables) == 1:
-            return sheets(tables[0][0], [tables[0][1]])
+        every = {title: find(rows, lambda heads: len(heads) > 1, layout) for title, rows in filled.items()}
+        if sum(map(len, every.values())) == 1:
+            return [one for title, blocks in every.items() if blocks for one in sheets(title, blocks)]
         for title, rows in titles:
             number = next((number for number, cells in rows if NOT_COMPUTED in cells), None)
             if number is not None:
@@ -375,7 +376,7 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
         dict(block.left_out),
         tuple(dict.fromkeys(block.words)),
         layout,
-        mark="." if separator == "cell" and not comma else None,
+        mark="." if separator == CELL and not comma else None,
         over=block.over,
     )
 

@@ -16,6 +16,8 @@ MAX_CELLS = 4_000_000
 #: A row: the number of its line, and its cells.
 Row = tuple[int, list[str]]
 
+#: What parts the cells of a workbook, and of a text.
+CELL = "cell"
 SEPARATORS = {"\t": "tab", ";": "semicolon", "|": "bar", ",": "comma", " ": "white space"}
 #: A cell that a line leaves open, the end of one, and a number that is kept from being a date: ="0.5".
 _OPENED = re.compile(r'(?:^|[,;\t|])\s*"[^"]*$')

@@ -112,6 +112,15 @@ def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     return found
 
 
+def sizes(rows: Sequence[Row]) -> dict[str, list[Entry]]:
+    """Return the sizes of specimens that rows without readings state, in lines or in a small table.
+
+    >>> list(sizes([(1, ["Operator", "mk"]), (2, ["Specimen width", "50", "mm"])]).items())
+    [('width', [Entry(value='50 mm', line=2, sure=False, axis='')])]
+    """
+    return {key: told for key, told in {**tabled(rows), **settings(rows)}.items() if key in SIZES}
+
+
 def _is_title(cells: Sequence[str]) -> bool:
     """Whether the filled cells of a row are words alone: one, or ``Biaxial test, knit`` parted at its commas."""
     if len(cells) == 1:

@@ -9,7 +9,7 @@ from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.dictionary import Meaning, is_closing, plain, setting
 from hyperfab.io.heading_words import SETTINGS
 from hyperfab.io.headings import NUMBER_LIKE, Heading, heading, meaning, suffixed
-from hyperfab.io.rows import MAX_COLUMNS, SEPARATORS, Row
+from hyperfab.io.rows import CELL, MAX_COLUMNS, SEPARATORS, Row
 from hyperfab.io.settings import settings
 from hyperfab.io.tables import Block, is_units, of_specimens
 
@@ -140,7 +140,8 @@ def _fitted(cells: list[str], width: int, heads: Sequence[Heading], line: int, s
         return cells[:width]
     if len(cells) < width:
         needed = [one.index for one in heads if (m := meaning(one)) is not None and m.name != "aside"]
-        if needed and len(cells) > max(needed):
+        # A workbook stores no empty cells behind the last one of a row.
+        if separator == CELL or (needed and len(cells) > max(needed)):
             return [*cells, *[""] * (width - len(cells))]
     raise InputError(
         f"has {len(cells)} cells, the header has {width}",

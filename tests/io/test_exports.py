@@ -429,6 +429,31 @@ def test_formulas_that_no_program_has_computed_are_named() -> None:
         read_tests(bare.getvalue(), "k.xlsx", test="uniaxial")
 
 
+def test_curves_side_by_side_in_a_workbook_may_end_one_before_the_other() -> None:
+    """A workbook stores no empty cells behind the last one of a row: such a row is no torn one."""
+    rows: list[list[object]] = [["strain", "stress", "strain", "stress"], ["%", "MPa", "%", "MPa"]]
+    for k, (e, s) in enumerate(exports.PULL):
+        rows.append([(e,), (s,), (e,), (s,)] if k < len(exports.PULL) - 2 else [(e,), (s,), None, None])
+    first, second = read_tests(exports.workbook({"Werte": rows}), "k.xlsx", test="uniaxial")
+    assert len(first.stress) == len(exports.PULL)
+    assert np.array_equal(second.stress, first.stress[:-2])
+
+
+def test_sizes_on_a_sheet_without_readings_are_those_of_the_specimens() -> None:
+    pull = [["extension", "force"], ["mm", "N"], *[[(x,), (f,)] for x, f in exports.raw()]]
+    sizes: list[list[object]] = [
+        ["Operator", "mk"], ["Gauge length", ("50",), "mm"], ["Specimen width", ("25",), "mm"], ["Date", "2025-03-02"],
+    ]  # fmt: skip
+    bare = read_tests(exports.workbook({"Curves": pull}), "k.xlsx", test="uniaxial", geometry=STRIP)
+    [told] = read_tests(exports.workbook({"Parameters": sizes, "Curves": pull}), "k.xlsx", test="uniaxial")
+    assert (told.gauge_length_mm, told.width_mm) == (50.0, 25.0)
+    assert np.array_equal(told.stress, bare[0].stress)
+    # What the sheet of the readings states itself comes first.
+    own = exports.workbook({"Parameters": sizes, "Curves": [["Width", ("30",), "mm"], *pull]})
+    [other] = read_tests(own, "k.xlsx", test="uniaxial")
+    assert (other.gauge_length_mm, other.width_mm) == (50.0, 30.0)
+
+
 def test_a_sheet_is_picked_by_name() -> None:
     rows = [["strain", "stress"], [None, "MPa"], *[[(e,), (s,)] for e, s in exports.PULL]]
     other = [["extension [mm]", "force [N]"], *[[(x,), (f,)] for x, f in exports.raw()]]
