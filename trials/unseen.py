@@ -192,7 +192,7 @@ def trial(tests: Mapping[str, TestCurve], mode: str) -> tuple[Judged, float, flo
     setting = Setting((mode,), relative=True, stable=False, accept=0.3)
     candidates = [law for law in laws().values() if law.isotropic]
     ranking = sorted(
-        (judge(law, {None: [tests[mode]]}, setting, ranked=True) for law in candidates),
+        (judge(law, {None: [tests[mode]]}, setting) for law in candidates),
         key=lambda one: one.best_first,
     )
     errors = [real(one, tests, mode) for one in ranking]
