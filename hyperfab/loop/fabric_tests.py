@@ -29,6 +29,8 @@ ONE_PACE = 1.5
 _A_WAY = 300
 #: Sizes of specimens within this factor count as one: those cut by hand are a few percent apart.
 _ONE_SIZE = 1.2
+#: A test was led by its load where that stands in more than this share of the readings.
+_MOSTLY = 0.75
 
 
 def path_of(tests: Sequence[TestCurve]) -> tuple[Path, Array]:
@@ -159,7 +161,7 @@ def thinned(test: T) -> T:
 
 def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True, ridden: Collection[str] = ()) -> list[str]:
     """Return what each test shares with its replicates: its state, its size, and the whole way it was led, in both
-    stretches.
+    stretches; of one that creeps the load it was led by.
 
     What grips take is told by the length, what a load cell is off by the section: tests of other sizes are no
     replicates, unless sizes do not count (``sized``). A state that no law knows, as the humidity, keeps specimens
@@ -167,21 +169,31 @@ def setups_of(path: Path, tests: Sequence[TestCurve], *, sized: bool = True, rid
     ``ridden`` on it.
     """
     apart = [name for name in _others(tests) if name in ridden or _is_shared(name, tests)]
-    found: list[tuple[str, float, Array, tuple[Array, Array], str]] = []
+    found: list[tuple[str, float, float, Array, tuple[Array, Array], str]] = []
     for test, rows in zip(tests, path.curves, strict=True):
         how, pace = _how(test, path.moved(rows), apart)
         way = _way(path, rows)
-        size = _size(test)
+        size, load = _size(test), _hung(test)
         same = (
             name
-            for other_how, other_pace, other_size, other_way, name in found
+            for other_how, other_pace, other_load, other_size, other_way, name in found
             if other_how == how
+            and abs(load - other_load) <= SHARE * max(load, other_load)
             and abs(np.log(pace / other_pace)) <= np.log(ONE_PACE)
             and not (sized and _is_larger_or_smaller(size, other_size))
             and _is_same_way(way, other_way)
         )
-        found.append((how, pace, size, way, next(same, f"{how} {len(found)}")))
+        found.append((how, pace, load, size, way, next(same, f"{how} {len(found)}")))
     return [name for *_, name in found]
+
+
+def _hung(test: TestCurve) -> float:
+    """Return the load that a test was led by, as one that creeps: the stretch goes on while the load stands; else 0."""
+    load = np.abs(test.stress)
+    most = float(np.median(load))
+    stands = np.abs(load - most) <= 2.0 * MACHINE * most
+    creeps = np.mean(stands) > _MOSTLY and np.ptp(test.stretch[stands]) > SHARE * np.ptp(test.stretch)
+    return most if creeps else 0.0
 
 
 def _size(test: TestCurve) -> Array:

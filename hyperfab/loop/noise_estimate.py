@@ -13,7 +13,7 @@ from scipy.special import chdtrc, chdtri
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
-from hyperfab.loop.replicates import CLOTH_COUNTS, difference, moving, of_correlated, replicates, told_apart
+from hyperfab.loop.replicates import CLOTH_COUNTS, difference, is_set, moving, of_correlated, replicates, told_apart
 from hyperfab.loop.thresholds import FEWEST, MACHINE, MARGIN, MOST, ONE_CLOTH, TOLD, UNLIKELY
 from hyperfab.loop.wandering import TRIED, restricted, wandering
 
@@ -149,7 +149,8 @@ def _from_differences(y: Array, curves: Sequence[Curve], rows: Array) -> tuple[A
     found = np.concatenate([part[0] for part in parts])
     level = np.concatenate([part[1] for part in parts])
     size = float(np.max(np.abs(y[rows]), initial=0.0)) or 1.0
-    floor = max(rounding(y[rows]), 1e-9 * size)
+    told = [y[curve.rows] for curve in curves if not is_set(y[curve.rows])]
+    floor = max(rounding(np.concatenate([np.empty(0), *told])), 1e-9 * size)
     if len(found) < 4:
         return np.full(len(rows), max(USUAL * size, floor)), 2.0, ASSUMED, 1.0
     edges = np.cumsum([len(part[0]) for part in parts])[:-1]

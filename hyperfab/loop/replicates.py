@@ -12,13 +12,26 @@ from scipy.special import chdtrc, stdtr
 from hyperfab.arrays import Array, Ints
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.problem import Curve
-from hyperfab.loop.thresholds import ALPHA, ONE_CLOTH, TOLD, UNLIKELY, clearly
+from hyperfab.loop.thresholds import ALPHA, FEWEST, ONE_CLOTH, TOLD, UNLIKELY, clearly
 from hyperfab.materials.effects.path import REVERSAL
 from hyperfab.numerics.gram import inverse
 from hyperfab.numerics.hygiene import sides, turns
 
 #: Specimens that what is usual of one cloth counts for, beside those that were compared.
 CLOTH_COUNTS = 2.0
+#: A load was set where it has more rows than this for each of its few values: a weight hung on, and the clock read.
+_HUNG = 4
+
+
+def is_set(values: Array) -> bool:
+    """Whether the loads of a test (n,) were set, not read: so few values, each row after row, are weights hung on it,
+    and their steps no last digit.
+
+    >>> is_set(np.repeat([0.0, 0.1, 0.2], [1, 40, 40])), is_set(np.round(np.linspace(0.0, 1.0, 60), 1))
+    (True, False)
+    """
+    count = len(np.unique(values))
+    return count < FEWEST and _HUNG * count < len(values)
 
 
 def pulls(curves: Sequence[Curve]) -> list[Curve]:

@@ -86,3 +86,28 @@ def test_specimens_that_turn_elsewhere_by_more_than_a_step_are_no_replicates() -
     far = tuple(1.25 if one == 1.15 else one for one in TURNS)
     problem = fabric_problem(law("neo-hookean"), (0.1,), [cycles(random, "a", TURNS), cycles(random, "b", far)])
     assert not replicates(problem.curves)
+
+
+def creeps(loads: tuple[float, ...], off: float = 0.0) -> list[TestCurve]:
+    """Return tests under weights [MPa] that were hung on: the strain goes on with a power of time, the load stands."""
+    time = np.concatenate([[0.0], np.geomspace(1.0, 3000.0, 40)])
+    random = np.random.default_rng(5)
+    found = []
+    for load in loads:
+        stress = np.where(time > 0.0, load, 0.0) * (1.0 + off * random.standard_normal(len(time)))
+        stretch = 1.0 + 0.8 * load * (time > 0.0) * (1.0 + 0.05 * time**0.25)
+        found.append(TestCurve("uniaxial", stretch, stress, time_s=time, source=f"{load}"))
+    return found
+
+
+def test_weights_that_were_hung_on_are_no_digits_of_a_load_cell() -> None:
+    """Of loads of 0.1, 0.2 and 0.3 MPa a step of 0.1 passed for what readings are rounded to."""
+    problem = fabric_problem(law("neo-hookean"), np.array([0.2]), creeps((0.1, 0.2, 0.3)))
+    assert np.max(estimate_noise(problem).sd) == pytest.approx(0.005 * 0.3)
+
+
+@pytest.mark.parametrize("off", [0.0, 0.002])
+def test_specimens_creep_alike_under_one_load_and_not_under_two(off: float) -> None:
+    """The machine that holds a load holds it to a part in a thousand or so."""
+    problem = fabric_problem(law("neo-hookean"), np.array([0.2]), creeps((0.1, 0.12, 0.1), off))
+    assert [(one.name, two.name) for one, two in replicates(problem.curves)] == [("0.1", "0.1")]
