@@ -21,7 +21,7 @@ _PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
 #: What spreadsheets and machines write where there is no reading.
 NO_READING = re.compile(
     r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)"
-    r"|-+|\*+|#+|[–—]|ovl|ol|over(?:load|flow| ?range)|open|err(?:or)?|nan|none|null|inf",
+    r"|-+|\*+|#+|[–—]|ovl|ol|(?:over|under)(?:load|flow| ?range)?|open|burn[ -]?out|err(?:or)?|nan|none|null|inf",
     re.IGNORECASE,
 )
 

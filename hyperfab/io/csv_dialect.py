@@ -30,6 +30,7 @@ from hyperfab.io.tables import (
     transposed,
     understood,
     with_units,
+    with_units_above,
 )
 from hyperfab.io.xlsx import NOT_COMPUTED, is_workbook, split_sheet, worksheets
 
@@ -72,8 +73,14 @@ def open_sheets(
 def _of_text(data: bytes, name: str, fits: Fits, layout: Layout, sought: Sequence[str]) -> list[CsvSheet]:
     lines = lines_of(decode(data, layout.titles))
     ends = [number for number, line in enumerate(lines[:_WINDOW], 1) if line.startswith(_END_OF_HEADER)]
-    if ends and layout.skip_rows is None:
-        layout = replace(layout, skip_rows=ends[-1])
+    if not ends or layout.skip_rows is not None:
+        return _of_lines(lines, name, fits, layout, sought)
+    found = _of_lines(lines, name, fits, replace(layout, skip_rows=ends[-1]), sought)
+    above = [split(line, found[0].separator, number) for number, line in enumerate(lines[: ends[-1]], 1)]
+    return [replace(one, headings=with_units_above(one.headings, above)) for one in found]
+
+
+def _of_lines(lines: list[str], name: str, fits: Fits, layout: Layout, sought: Sequence[str]) -> list[CsvSheet]:
     metadata, body, separator = _comments(lines, layout)
     if not body:
         raise InputError("has no header and no rows", remedy="a table with a header line is expected")
@@ -366,19 +373,10 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
     # A column of a workbook may hold numbers as text, with a comma.
     comma = any("," in cell and is_number(cell) for cells in columns for cell in cells[:50])
     return CsvSheet(
-        name,
-        separator,
-        tuple(heads),
-        block.head_line,
-        tuple(columns[: len(block.headings)]),
-        lines,
-        everything,
-        dict(block.left_out),
-        tuple(dict.fromkeys(block.words)),
-        layout,
-        mark="." if separator == CELL and not comma else None,
-        over=block.over,
-    )
+        name, separator, tuple(heads), block.head_line, tuple(columns[: len(block.headings)]), lines, everything,
+        dict(block.left_out), tuple(dict.fromkeys(block.words)), layout,
+        mark="." if separator == CELL and not comma else None, over=block.over,
+    )  # fmt: skip
 
 
 def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int]) -> str | None:

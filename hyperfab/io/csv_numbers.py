@@ -19,6 +19,8 @@ from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
+#: What instruments of SCPI (1999, volume 1, 7.2.1) send for infinity, and from there on for no number.
+_NONE = 9.89e37
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,4})?", re.ASCII)
 #: float() also takes nan, inf, 1_000 and digits of other scripts; a column that has none of these is parsed at once.
 _NOT_PLAIN = re.compile(r"[^0-9eE+\-.\n]")
@@ -163,6 +165,8 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
                 for row, cell in enumerate(cells)
             ]
         )
+    if gaps:
+        values[np.isfinite(values) & (np.abs(values) >= _NONE * 10.0**shift)] = np.nan
     unfit = np.isinf(values) if gaps else ~np.isfinite(values)
     if unfit.any():
         row = int(np.flatnonzero(unfit)[0])

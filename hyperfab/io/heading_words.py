@@ -139,8 +139,12 @@ UNITS: dict[str, str] = {
         с; сек""", "min": "minute; minutes; minuten; minutos; minuti; мин",
     "mm": "millimeter; millimeters; millimetre; millimetres; milimetros; millimetri; мм",
     "MPa": "megapascal; mpa; мпа", "kPa": "kilopascal; kpa; кпа", "cN": "cn", "mN": "mn", "Pa": "pa; па",
-    "GPa": "gpa; гпа", "degC": "degc; grad c; grad celsius; deg c; celsius; grados c; degres c; gradi c; graus c",
-    "degF": "degf", "kgf": "kgf; kg f; kg force; кгс",
+    "GPa": "gpa; гпа",
+    "degC": """degc; grad c; grad celsius; deg c; celsius; grados c; degres c; gradi c; graus c; degree c; degrees c;
+        degree celsius; degrees celsius; deg celsius""",
+    "degF": """degf; deg f; degree f; degrees f; fahrenheit; deg fahrenheit; degree fahrenheit; degrees fahrenheit;
+        grad f; grad fahrenheit; grados f""",
+    "kgf": "kgf; kg f; kg force; кгс",
     "lbf": "lbf; lb f; lbs f; lbs force; lb force; pound force; pounds force", "gf": "gf; g f; гс", "ozf": "ozf",
     "%": "prozent; percent; per cent; pct; porcentaje; pourcent", "K": "kelvin", "-": "dimensionless; none",
     "in": "inch; pulg", "kg": "kg; kgs; kilogram; kilograms; kilos", "g": "gm; gms", "lb": "lbs; pounds",

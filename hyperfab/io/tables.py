@@ -22,13 +22,17 @@ from hyperfab.io.units import is_unit
 #: Says of headings whether they make the table that is looked for.
 Fits = Callable[[Sequence[Heading]], bool]
 
-_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")) | words(
-    "unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade"
+#: What a row of units is called in its first cell, below the head, or above it beside other rows that tell of channels.
+_UNITS = words(
+    "unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade; unit label; y unit label"
 )
+_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")) | _UNITS
 #: How a unit that is none of ours may be written: V, Ohm, l/min, counts/s.
 _FOREIGN = re.compile(r"[^\W\d_]{1,3}|\w{1,6}(?:[./*]\w{1,4})+")
 #: How the cells of a clock or a date are written, in the place of its unit: hh:mm:ss, TT.MM.JJJJ, h:min:s.
 _CLOCK = re.compile(r"(?:[dtjyahms]{1,4}|min)(?:[:./\- ](?:[dtjyahms]{1,4}|min|[0fx]{1,6}))+", re.IGNORECASE)
+#: In so many rows above a head a logger tells of its channels.
+_ABOVE = 60
 #: What stands above one table of several is that one's own.
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
@@ -148,6 +152,7 @@ def _head(
             break
         if any(rows[k][1]):
             above.append(k)
+    of_channels = _units_of_channels([cells for _, cells in rows[max(start - _ABOVE, 0) : start]], width)
     options: list[tuple[tuple[bool, int, int, int], int, tuple[Heading, ...]]] = []
     for place in range(min(len(above), 3)):
         below = [k for k in above[:place] if is_units(rows[k][1])]
@@ -161,6 +166,9 @@ def _head(
                 made = headings(titles, layout)
                 if units is not None:
                     made = with_units(made, rows[units][1])
+                made = with_units(
+                    made, ["" if one.unit else cell for one, cell in zip(made, of_channels, strict=False)]
+                )
                 known = sum(1 for one in made if (m := meaning(one)) is not None and m.name != "aside")
                 units_known = sum(1 for one in made if one.unit is not None)
                 cost = place + 2 * (upper is not None)
@@ -176,6 +184,19 @@ def _head(
         return None
     _, first, made = max(fitting, key=lambda option: option[0])
     return first, made
+
+
+def _units_of_channels(above: Sequence[Sequence[str]], width: int) -> list[str]:
+    """Return the units (width,) of the last row above a table that is called so, each over its column: loggers tell
+    sensor, range and unit of their channels there; empty cells where there is none.
+
+    >>> _units_of_channels([["Unit", "", "degF"], ["Sensor", "", "K"], ["Date", "Time", "CH1"]], 3)
+    ['', '', 'degF']
+    """
+    for cells in reversed(above):
+        if cells and len(cells) <= width and plain(cells[0]) in _UNITS and is_units(told := ["", *cells[1:]]):
+            return [*told, *[""] * (width - len(told))]
+    return [""] * width
 
 
 def transposed(rows: Sequence[Row]) -> list[Row]:
@@ -274,6 +295,15 @@ def with_units(heads: Sequence[Heading], cells: Sequence[str], line: int = 0) ->
         told = f"{one.unit} or {unit}" if gainsaid and unit != "-" else one.unit or unit  # which is no unit
         found.append(Heading(one.title, one.label, told, one.index))
     return tuple(found)
+
+
+def with_units_above(heads: tuple[Heading, ...], above: Sequence[Sequence[str]]) -> tuple[Heading, ...]:
+    """Return headings, those without a unit with that of the row of units among what stands ``above``, if any."""
+    return _with_missing(heads, _units_of_channels(above, len(heads)))
+
+
+def _with_missing(heads: tuple[Heading, ...], units: Sequence[str]) -> tuple[Heading, ...]:
+    return with_units(heads, ["" if one.unit else cell for one, cell in zip(heads, units, strict=False)])
 
 
 def _bare(cells: Sequence[str]) -> list[str]:

@@ -345,6 +345,26 @@ def test_a_labview_measurement_begins_behind_its_last_header() -> None:
     assert (table["time"].tolist(), table["edge"].tolist()) == ([0.0, 10.0], [21.0, 23.0])
 
 
+def test_units_of_channels_stand_above_a_head_beside_what_else_is_told_of_them() -> None:
+    """LabVIEW and recorders write them there; degrees Fahrenheit were asked for as [degC], to be pasted."""
+    head = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\nChannels\t2\t\t\nSamples\t2\t2\t\n"
+    head += "Y_Unit_Label\tDeg F\tDeg F\t\nX_Dimension\tTime\tTime\t\nX0\t0.0E+0\t0.0E+0\t\n***End_of_Header***\t\t\n"
+    text = head + "X_Value\tcup\tedge\tComment\n0.0\t212\t32\t\n10.0\t212\t50\t\n"
+    table = read_table(text.encode(), "log.lvm", {"time": "time"}, rest="temperature", called=["cup", "edge"])
+    assert table["edge"] == pytest.approx([0.0, 10.0])
+    text = "Model,GX10\nUnit,,degF,degF\nRange,,1,2\nSensor,,K,K\nDate,Time,cup,edge\n"
+    text += "2024/03/01,10:00:00,212,32\n2024/03/01,10:00:10,212,50\n"
+    table = read_table(text.encode(), "gx.csv", {"time": "time"}, rest="temperature", called=["cup", "edge"])
+    assert (table["time"].tolist(), table["edge"].round(6).tolist()) == ([0.0, 10.0], [0.0, 10.0])
+
+
+@pytest.mark.parametrize("word", ["+OVER", "-OVER", "Over", "UNDER", "BURNOUT", "Burn-out", "9.9E+37", "-9.90000E+37"])
+def test_an_instrument_that_is_beyond_its_range_leaves_a_gap(word: str) -> None:
+    text = f"Time [s],cup [\u00b0C],edge [\u00b0C]\n0,20.5,21\n10,{word},22\n20,23.5,23\n"
+    table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", gaps=True)
+    assert [math.isnan(one) for one in table["cup"]] == [False, True, False]
+
+
 def test_degrees_stand_before_the_name_of_a_probe_and_an_open_sensor_is_a_gap() -> None:
     text = "Time [s];\u00b0C [1] cup;[\u00b0C] edge\n0;20,5;21\n10;OL;22\n20;23,5;-----\n"
     table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", gaps=True)
