@@ -26,7 +26,7 @@ from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, with_names
 from hyperfab.io.row_states import directions, held_down, of_each_row, words_or_stated
 from hyperfab.io.side_by_side import may_be_specimens, specimens
-from hyperfab.io.sizes_of_rows import parted_by_sizes
+from hyperfab.io.sizes_of_rows import of_own_rows, parted_by_sizes
 from hyperfab.io.specimen import Geometry, read_specimen
 from hyperfab.io.stated import stated
 
@@ -87,6 +87,7 @@ def read_tests(
             if kind is None and len(parts) == 1 and may_be_specimens(sheet):
                 raise no_test(sheet, TESTS)
             sheets += [one for part in parts for one in parted_by_sizes(part)]
+    sheets = of_own_rows(sheets)
     sheets = in_one(sheets, told.decimal) if len(sheets) > 1 else sheets
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")

@@ -275,7 +275,12 @@ SETTINGS: dict[str, str] = {
         base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
         misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
         ゲージ長さ; 标距; база; начальная длина;
-        olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk; 原始标距; 初始标距; 初始长度""",
+        olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk; 原始标距; 初始标距; 初始长度; 標線間距離; 標線距離;
+        bench mark distance; benchmark distance; distance between bench marks; distance between marks; markenabstand;
+        messmarkenabstand; abstand der messmarken; longueur entre reperes; longueur initiale entre reperes; distance
+        entre reperes; distancia entre marcas; longitud entre marcas; longitud inicial entre marcas; distanza tra i
+        riferimenti; distanza tra le marche; lunghezza iniziale tra i riferimenti; distancia entre marcas de
+        referencia""",
     "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
         extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
         longitud de referencia extensometro; longueur de reference extensometre""",

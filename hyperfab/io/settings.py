@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along
@@ -35,13 +35,15 @@ _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
 class Entry:
     """A line of metadata: its value and where it stands; ``sure`` where it is a line of the contract's own form.
 
-    ``axis`` is that of a biaxial test that it is said of, 1 or 2, or nothing.
+    ``axis`` is that of a biaxial test that it is said of, 1 or 2, or nothing; ``of`` the specimen in whose row of a
+    small table it stands, where the rows differ.
     """
 
     value: str
     line: int
     sure: bool = True
     axis: str = ""
+    of: str = ""
 
 
 def entry_of(key: str, value: str, line: int, own: bool = False) -> tuple[str, Entry]:
@@ -86,7 +88,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
 def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     """Return sizes that stand in a small table above: titles, perhaps units, then a row for each specimen.
 
-    Of specimens whose sizes differ all are told, and none can be taken.
+    Of specimens whose sizes differ that of each is told with its name.
 
     >>> tabled([(1, ["Name", "Width"]), (2, ["", "mm"]), (3, ["A", "50"]), (4, ["Mean", "50.0"])])["width"][0].value
     '50 mm'
@@ -107,8 +109,12 @@ def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if not is_closing(next(filter(None, cells), "")):
                 values.append((line, cells))
         for (one, key), unit in zip(sized, units, strict=True):
-            told = {f"{cells[one.index]} {unit or one.unit or ''}".strip(): line for line, cells in reversed(values)}
-            found.setdefault(str(key), []).extend(Entry(text, line, sure=False) for text, line in told.items())
+            told = [
+                Entry(f"{cells[one.index]} {unit or one.unit or ''}".strip(), line, sure=False, of=cells[0])
+                for line, cells in values
+            ]
+            alike = len({entry.value for entry in told}) == 1
+            found.setdefault(str(key), []).extend([replace(told[0], of="")] if alike else told)
     return found
 
 

@@ -68,3 +68,26 @@ def _part(sheet: CsvSheet, heads: list[Heading], sizes: tuple[str, ...], rows: l
         metadata.setdefault(str(key), []).append(entry)
     kept = tuple(head for head in sheet.headings if head not in heads)
     return replace(sheet.of_rows(rows), metadata=metadata, headings=kept)
+
+
+def of_own_rows(sheets: list[CsvSheet]) -> list[CsvSheet]:
+    """Return tables of several specimens, of each among what it states the sizes in its own row of a small table above.
+
+    The row is that which is called as the specimen is; where none are, and there are as many, they stand in its order.
+    """
+    named = [dict.fromkeys(one.of for own in sheet.metadata.values() for one in own if one.of) for sheet in sheets]
+    if len(sheets) < 2 or not named[0] or any(one != named[0] for one in named):
+        return sheets
+    names = list(named[0])
+    labels = [sheet.label for sheet in sheets]
+    if not set(labels) <= set(names):
+        if len(names) != len(sheets):
+            return sheets
+        labels = names
+    return [
+        replace(
+            sheet,
+            metadata={key: [one for one in own if one.of in ("", label)] for key, own in sheet.metadata.items()},
+        )
+        for sheet, label in zip(sheets, labels, strict=True)
+    ]

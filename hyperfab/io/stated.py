@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
+from hyperfab.io.dictionary import setting
 from hyperfab.io.headings import is_of
 from hyperfab.io.settings import Entry
 from hyperfab.io.units import quantity
@@ -100,8 +101,22 @@ def perhaps_gauge_length(sheet: CsvSheet, decimal: str, pressed: bool) -> str:
             return f"line {entry.line} has a {key} of {height:g} mm: if that is pressed, --gauge-length {height:g}mm"
     entry, length = stated(sheet, "specimen length"), amount(sheet, "specimen length", "length", decimal, [])
     if entry is None or length is None:
+        others = _lengths_of_no_known_name(sheet, decimal)
+        if len(others) == 1:
+            [(name, (line, length))] = others.items()
+            return f"line {line} says {name}: {length:g} mm; if that is it, --gauge-length {length:g}mm"
         return 'give --gauge-length 50mm, or add a line "# gauge length: 50 mm" on top'
     return f"line {entry.line} has a length of {length:g} mm: if that is between the grips, --gauge-length {length:g}mm"
+
+
+def _lengths_of_no_known_name(sheet: CsvSheet, decimal: str) -> dict[str, tuple[int, float]]:
+    """Return line and length [mm] of what a file states under a name nobody knows, in one way."""
+    found = {}
+    for name, entries in sheet.metadata.items():
+        if setting(name) is None and stated(sheet, name) is not None:
+            length = amount(sheet, name, "length", decimal, [])
+            found.update({name: (entries[0].line, length)} if length is not None and length > 0.0 else {})
+    return found
 
 
 def dotted(text: str, decimal: str) -> str:

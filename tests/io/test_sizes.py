@@ -264,22 +264,49 @@ def test_rows_may_leave_off_the_cells_that_the_first_one_alone_has() -> None:
         read(f"# test: uniaxial\n# width: 50 mm\n# gauge length: 100 mm\nExtension [mm],Load [N],No\n{cut}30\n")
 
 
-@pytest.mark.parametrize("second", ["50.0000", "48.0000"])
-def test_sizes_in_a_small_table_above_are_taken_where_its_rows_agree(second: str) -> None:
+def beside(*widths: str, names: tuple[str, ...] = ("1 _ 1", "1 _ 2", "1 _ 3")) -> str:
+    """Return two specimens side by side, below a small table that has a row for each of some ``widths``."""
     sizes = '"Name","Thickness","Width","Gauge_Length"\n"Units","mm","mm","mm"\n'
-    sizes += f'"1 _ 1","0.8000","50.0000","100.0000"\n"1 _ 2","0.8000","{second}","100.0000"\n\n'
+    sizes += "".join(f'"{one}","0.8000","{width}","100.0000"\n' for one, width in zip(names, widths, strict=False))
     heads = (
         '"1 _ 1","","","1 _ 2","",""\n"Time","Force","Stroke","Time","Force","Stroke"\n"sec","N","mm","sec","N","mm"\n'
     )
     rows = "".join(f'"{k}","{2 * k}","{10 * k}","{k}","{2 * k}","{10 * k}"\n' for k in range(4))
-    text = '"Test Type","Tensile"\n' + sizes + heads + rows
-    if second == "48.0000":
-        with pytest.raises(InputError, match=r"states 48\.0000 mm and 50\.0000 mm"):
-            read_tests(text.encode(), "a.csv")
-        return
-    one, two = read_tests(text.encode(), "a.csv")
+    return '"Test Type","Tensile"\n' + sizes + '"Mean","0.8","49.0","100.0"\n\n' + heads + rows
+
+
+def test_sizes_in_a_small_table_above_are_those_of_each_specimen() -> None:
+    one, two = read(beside("50.0000", "50.0000"))
     assert one.stretch[-1] == two.stretch[-1] == 1.3
     assert one.stress.tolist() == pytest.approx([0.0, 0.05, 0.1, 0.15])
+    one, two = read(beside("50.0000", "40.0000"))
+    assert (one.width_mm, two.width_mm) == (50.0, 40.0)
+    assert two.stress.tolist() == pytest.approx([0.0, 0.0625, 0.125, 0.1875])
+    one, two = read(beside("50.0000", "48.0000", "40.0000", names=("2", "3", "1")))  # by their names
+    assert (one.width_mm, two.width_mm) == (40.0, 50.0)
+
+
+def test_a_small_table_of_more_specimens_than_were_read_tells_the_size_of_none() -> None:
+    with pytest.raises(InputError, match=r"states 50\.0000 mm and 48\.0000 mm and 40\.0000 mm; give --width"):
+        read(beside("50.0000", "48.0000", "40.0000"))
+
+
+@pytest.mark.parametrize(
+    "name", ["Longueur entre rep\u00e8res", "\u6a19\u7dda\u9593\u8ddd\u96e2", "Abstand der Messmarken"]
+)
+def test_a_gauge_length_is_between_marks(name: str) -> None:
+    rows = "".join(f"{way};{force}\n" for way, force in ROWS)
+    [found] = read(f"Tensile test\n{name};100;mm\nWidth;50;mm\nThickness;0.8;mm\n\nExtension [mm];Load [N]\n{rows}")
+    assert is_strip(found)
+
+
+def test_the_one_length_of_no_known_name_is_offered_as_the_gauge_length() -> None:
+    rows = "".join(f"{way};{force}\n" for way, force in ROWS)
+    above = "Tensile test\nZkusebni delka;100;mm\nBatch;7\nWidth;50;mm\n"
+    with pytest.raises(InputError, match="line 2 says zkusebni delka: 100 mm; if that is it, --gauge-length 100mm"):
+        read(f"{above}\nExtension [mm];Load [N]\n{rows}")
+    with pytest.raises(InputError, match="give --gauge-length 50mm"):
+        read(f"{above}Upinaci delka;150;mm\n\nExtension [mm];Load [N]\n{rows}")
 
 
 @pytest.mark.parametrize(
