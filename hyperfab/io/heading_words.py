@@ -45,7 +45,8 @@ COLUMNS: dict[str, str] = {
         traverse; posizione; posizione traversa; posicao""",
     "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
         measuring gap; specimen length; grip distance; entrefer; l; size""",
-    "force": """force; load; f; tensile force; tensile load; standard force; test force; axial force; axial load; load
+    "force": """force; load; f; shear force; scherkraft; schubkraft; fuerza de corte; force de cisaillement; forza di
+        taglio; tensile force; tensile load; standard force; test force; axial force; axial load; load
         cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
         last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
         standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
@@ -76,8 +77,9 @@ COLUMNS: dict[str, str] = {
         breitenbezogene kraft; kraft pro breite; fuerza por ancho; fuerza por unidad de ancho; force par largeur;
         effort lineique; forza per larghezza; forca por largura; unit load""",
     "volume ratio": "volume ratio; volumenverhaltnis; relative volume; j",
-    "shear strain": """shear strain; gamma; scherung; schubverzerrung; scherdehnung; shear deformation;
-        deformacion angular;
+    "shear strain": """shear strain; shear angle; scherwinkel; schubwinkel; angulo de corte; angulo de cizalla;
+        angle de cisaillement; angolo di taglio; angulo de cisalhamento; gamma; scherung; schubverzerrung; scherdehnung;
+        shear deformation; deformacion angular;
         deformacion de corte; cisaillement; deformation de cisaillement; deformazione a taglio; scorrimento;
         deformacao de cisalhamento""",
     "shear stress": """shear stress; tau; schubspannung; scherspannung; esfuerzo cortante; esfuerzo de corte;

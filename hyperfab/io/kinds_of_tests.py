@@ -10,6 +10,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import word_for
 from hyperfab.io.named_tests import Named, is_pull, named_test, surest
+from hyperfab.io.other_tests import unread
 from hyperfab.io.role_words import no_stress, no_test
 from hyperfab.io.roles import STRESSES, Roles
 
@@ -35,13 +36,23 @@ _LETTERS = {
 }  # fmt: skip
 
 
+#: What to do with a file that is one of ours, whatever its title says.
+_OTHERWISE = 'if it is one of these all the same, add a first line "# test: uniaxial"'
+
+
 def said(sheet: CsvSheet, given: str | None) -> str | None:
-    """Return which test a file is said to be: by an option, a line, or words above its table."""
+    """Return which test a file is said to be: by an option, a line, or words above its table.
+
+    InputError where it is said to be one of which no stretch and stress are read.
+    """
+    told = sheet.metadata.get("test", [])
+    for entry in [] if any(one.sure for one in told) else told:
+        if (instead := unread(entry.value)) is not None:
+            raise InputError(f"says {entry.value[:40]}: {instead}", line=entry.line, remedy=_OTHERWISE)
     if given is not None:
         return given
-    entries = sheet.metadata.get("test", [])
-    declared = next((_declared(entry.value) for entry in entries if entry.sure), None)
-    named = surest(entry.value for entry in entries)
+    declared = next((_declared(entry.value) for entry in told if entry.sure), None)
+    named = surest(entry.value for entry in told)
     return declared or (named.kind if named else None)
 
 

@@ -9,12 +9,14 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.curve import TestCurve
 from hyperfab.errors import InputError
+from hyperfab.io.angles import shear_strain
 from hyperfab.io.cells import is_number
 from hyperfab.io.csv_numbers import numbers, other_unit, quantities
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import axis_of, plain
 from hyperfab.io.headings import is_of, meaning, unread_unit
 from hyperfab.io.kinds_of_tests import Pressed
+from hyperfab.io.lengths import first_length, is_counted_anew
 from hyperfab.io.role_words import missing, no_stress, no_unit
 from hyperfab.io.roles import STRESSES, STRETCHES, Column, Roles
 from hyperfab.io.signs import counts_down, farthest, of_mechanics, perhaps_pulled, refuse_either_way
@@ -23,8 +25,6 @@ from hyperfab.io.stated import conflicting, perhaps_gauge_length
 
 #: Columns that tell where a grip is, or how long the specimen.
 _LENGTHS = ("extension", "length", "position")
-#: By how much of its way an extension steps from the length beside it where it is counted anew, and at most elsewhere.
-_ANEW, _ALIKE = 0.02, 0.005
 #: A strain is not that of the extension beside it where they are apart by this factor: grips slip and yield by less.
 #: Where no gauge length is known, between these lengths of a specimen [mm].
 _GAINSAID, _SPECIMENS = 30.0, (1.0, 2000.0)
@@ -164,7 +164,7 @@ class _Reader:
         column = self.roles.first(names, place)
         if column is None:
             return None
-        column = self._through(column, place)
+        column = self._through(column)
         self.used.append(column)
         name, head = column.name.removesuffix(" 2"), column.heading
         if self.test == "simple-shear" and name in _LENGTHS:
@@ -175,7 +175,11 @@ class _Reader:
             chosen = self.sheet.layout.choice(head, self.sheet.headings)
             if chosen is None and (unit := unread_unit(head)) is not None:
                 raise other_unit(self.sheet, head, unit, "dimensionless", column.name)
-            values = self._values(column, "dimensionless", name)
+            values = (
+                shear_strain(self.sheet, head, self.specimen.decimal)
+                if name == "shear strain"
+                else self._values(column, "dimensionless", name)
+            )
             largest = float(np.abs(values).max()) if len(values) else 0.0
             contract = head.name.rstrip(" 12") in ("strain", "engineering strain")
             percent = any("%" in cell for cell in self.sheet.columns[head.index][:1])
@@ -263,21 +267,18 @@ class _Reader:
         self.notes.append(f"{column.heading.title} is over a sheared layer of {thickness:g} mm")
         return self._signed(self._values(column, "length", column.name), column) / thickness
 
-    def _through(self, column: Column, place: str) -> Column:
+    def _whole(self, column: Column) -> Column | None:
+        """Return the column of the length of what an extension is told of, where it has a number in every row."""
+        whole = self.roles.first(("length",), " 2" if column.name.endswith(" 2") else "")
+        known = whole and is_of(whole.heading.unit or "", "length")
+        return whole if whole and known and all(map(is_number, self.sheet.columns[whole.heading.index])) else None
+
+    def _through(self, column: Column) -> Column:
         """Return the length beside an extension that is counted anew for each part, in which both move alike."""
-        whole = self.roles.first(("length",), place)
-        if (
-            whole is None
-            or column.name.removesuffix(place) != "extension"
-            or not is_of(whole.heading.unit or "", "length")
-        ):
+        whole = self._whole(column)
+        if whole is None or column.name.removesuffix(" 2") != "extension":
             return column
-        if not all(map(is_number, self.sheet.columns[whole.heading.index])):
-            return column  # what nothing needs may lack readings
-        way, length = (self._values(one, "length", one.name) for one in (column, whole))
-        apart = np.abs(np.diff(way - length))
-        anew = apart > _ANEW * np.ptp(length)
-        if not anew.any() or np.max(apart[~anew], initial=0.0) > _ALIKE * np.ptp(length):
+        if not is_counted_anew(*(self._values(one, "length", one.name) for one in (column, whole))):
             return column
         self.notes.append(f"{column.heading.title} begins anew in mid-test; {whole.heading.title} is taken")
         return whole
@@ -294,6 +295,9 @@ class _Reader:
         length = own or self.specimen.along(axis, "gauge length", "grip distance")
         length = length or (sizes.diameter if self.test.startswith("biaxial") else None)
         values = self._values(column, "length", name)
+        whole = self._whole(column) if length is None and name == "extension" else None
+        if whole and (length := first_length(values, self._values(whole, "length", whole.name))):
+            self.notes.append(f"{whole.heading.title} less {head.title}, {length:g} mm, is the gauge length")
         if name == "length":
             if length is None:
                 length = float(values[0])
@@ -329,7 +333,7 @@ class _Reader:
     def stress(self, place: str, stretch: Array | None) -> tuple[Array | None, bool, Array | None]:
         """Return (nominal stress, whether it is N/mm, its standard deviation)."""
         names = (
-            ("shear stress", "stress", "force")
+            ("shear stress", "stress", "membrane stress", "force")
             if self.test == "simple-shear"
             else tuple(one for one in STRESSES if one != "shear stress")
         )

@@ -12,6 +12,7 @@ from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, looked_up, measured, plain
 from hyperfab.io.headings import KIND, Heading, heading, in_unit, is_of, is_unread, meaning, unit_of, unread_unit
+from hyperfab.io.other_tests import BULGED, is_bulge
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, STRONGEST, Column, Roles, state_of
 from hyperfab.io.units import is_unit
 
@@ -53,7 +54,10 @@ def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     titles = ", ".join(one.title or '""' for one in sheet.headings[:8])
     fine = next((one.title for one in sheet.headings if _FINENESS.fullmatch(one.unit or "")), None)
     remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
-    entries = proposed(sheet, found)
+    told = [sheet.name, *(one.value for one in sheet.metadata.get("test", []))]
+    bulge = is_bulge([one.label for one in sheet.headings], told)
+    remark += f"; {BULGED}" if bulge else ""
+    entries = [] if bulge else proposed(sheet, found)
     settles = f", or say what they are, as in {sheet.option(entries)}" if entries else ""
     return sheet.wrong(f"no column gives {what}; the columns are {titles}{remark}", remedy=f"name one {names}{settles}")
 

@@ -10,6 +10,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along
 from hyperfab.io.headings import heading, unit_behind, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
+from hyperfab.io.other_tests import unread
 from hyperfab.io.rows import Row
 
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
@@ -65,7 +66,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
         if len(alone := [cell for cell in cells if cell]) == 1:
             cells = _of_its_own(alone[0])
         title = [cell for cell in cells if cell]
-        if _is_title(title) and kind_named(title[0]) is not None:
+        if _is_title(title) and (kind_named(title[0]) or unread(title[0])) is not None:
             found.setdefault("test", []).append(Entry(title[0], line, sure=False))
         place = 0
         while place < len(cells):

@@ -1,0 +1,72 @@
+"""Tests that are none of ours, or tell what they show otherwise: frames, peels, bulges, shear by its angle."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hyperfab.errors import InputError
+from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.specimen import Geometry
+
+STRIP = Geometry(gauge_length=100.0, width=50.0)
+ROWS = "1;2;3\n2;4;6\n3;7;9\n"
+
+
+def read(text: str, **options: object) -> list[TestData]:
+    return read_tests(text.encode(), "a.csv", **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("title", "said"),
+    [
+        ("Picture frame test", "a strip cut at 45 degrees"),
+        ("Trellis frame test, PES weave", "a strip cut at 45 degrees"),
+        ("Peel test", "no stress of the sheet"),
+        ("Test;Tear strength", "no stress of the sheet"),
+        ("Ball burst, ASTM D6797", "hf close-loop with the document of hf fabric-contact"),
+    ],
+)
+@pytest.mark.parametrize("test", [None, "uniaxial"])
+def test_a_test_of_which_no_stress_is_read_is_refused_by_name(title: str, said: str, test: str | None) -> None:
+    """It was asked for as --uniaxial with a gauge length, and was a uniaxial test then."""
+    text = f"{title}\n\nDisplacement [mm];Force [N];Shear angle [deg]\n{ROWS}"
+    with pytest.raises(InputError, match=said) as caught:
+        read(text, test=test, geometry=STRIP)
+    assert caught.value.line == 1
+    [found] = read(f"# test: uniaxial\n{title}\n\nDisplacement [mm];Force [N]\n1;2\n2;4\n3;7\n", geometry=STRIP)
+    assert found.mode == "uniaxial"
+
+
+@pytest.mark.parametrize("above", ["Bulge test\n\nPressure [kPa];Height [mm]", "Pressure [mbar];Pole height [mm]"])
+def test_the_pressure_below_a_bulge_is_not_offered_as_its_stress(above: str) -> None:
+    with pytest.raises(InputError, match=r"the nominal stress is p r l / \(2 t\)") as caught:
+        read(f"{above}\n1;2\n2;4\n3;7\n")
+    assert "--columns" not in str(caught.value)
+
+
+def test_a_pressure_on_a_foam_is_still_offered_as_its_stress() -> None:
+    with pytest.raises(InputError, match=r"Druck \[kPa\]=stress \[kPa\]"):
+        read("Druckversuch\nStauchung [%];Druck [kPa]\n1;2\n2;4\n3;7\n")
+
+
+def test_a_shear_may_be_read_as_an_angle_and_its_force_over_the_width() -> None:
+    """As KES-F writes them: degrees, and gf/cm; 1 gf/cm is 9.80665e-4 N/mm."""
+    [found] = read("SHEAR ANGLE(deg)\tSHEAR FORCE(gf/cm)\n0\t0\n4\t2\n8\t5\n")
+    assert (found.mode, found.membrane) == ("simple-shear", True)
+    assert found.stretch == pytest.approx(np.tan(np.radians([0.0, 4.0, 8.0])))
+    assert found.stress == pytest.approx(np.array([0.0, 2.0, 5.0]) * 9.80665e-4)
+    with pytest.raises(InputError, match=r'an angle without a unit; .*"SHEAR ANGLE=shear strain \[deg\]"'):
+        read("SHEAR ANGLE\tSHEAR FORCE(gf/cm)\n0\t0\n4\t2\n8\t5\n")
+
+
+def test_a_length_beside_an_extension_tells_the_gauge_length() -> None:
+    """As CellScale's BioTester writes them, along both axes."""
+    rows = "".join(
+        f"{22000 + x},{18000 + y},{x},{y},{x / 10},{y / 10}\n" for x, y in ((0, 0), (1100, 900), (2200, 1800))
+    )
+    head = "XSize_um,YSize_um,XDisplacement_um,YDisplacement_um,XForce_mN,YForce_mN"
+    [found] = read(f"{head}\n{rows}", geometry=Geometry(width=20.0))
+    assert found.mode == "biaxial-general"
+    assert found.stretch == pytest.approx([1.0, 1.05, 1.1])
+    assert found.stretch2 == pytest.approx([1.0, 1.05, 1.1])
