@@ -17,7 +17,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
 from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, fold, reading
+from hyperfab.io.dictionary import BRACKETS, Meaning, fold, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
@@ -29,6 +29,8 @@ _IN_THE_FILE = {
     "decimal": "write one number with four decimals, as 1.2500",
 }
 _P = ParamSpec("_P")
+#: How a logger makes one value of those it read since the last.
+_ONE_VALUE = re.compile(r"[ _](?:ave|avg|average|mean|last|mittel|mittelwert)\.?$", re.IGNORECASE)
 _OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
 
 
@@ -134,13 +136,14 @@ def read_table(
         for heading in _others(sheet, taken, rest):
             # Of what the command line says to be of that kind the title still tells whose it is.
             told = headings.heading(heading.title, heading.index) if heading.name == rest else heading
-            if told.label.casefold() in map(str.casefold, wanted):
+            label = _called_by(told, called)
+            if label.casefold() in map(str.casefold, wanted):
                 raise sheet.wrong(
-                    f"is {told.label}, as another column is",
+                    f"is {label}, as another column is",
                     heading,
                     remedy="name one for another, or leave one out with =aside",
                 )
-            wanted[told.label] = (heading, rest)
+            wanted[label] = (heading, rest)
         probes = {fold(one) for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and fold(one.name) in probes]
         if len(wanted) == len(taken) or bare:
@@ -163,6 +166,18 @@ def read_table(
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+
+
+def _called_by(head: Heading, called: Sequence[str]) -> str:
+    """Return which of the ``called`` a column is, where its title names one in brackets or before how the logger makes
+    one value of several (``101 <cup> (C)``, ``cup Ave. (°C)``); else its label."""
+    names = {fold(one): one for one in called}
+    if fold(head.label) in names:
+        return head.label
+    inner = [part for parts in BRACKETS.findall(head.title) for part in parts if part]
+    before = _ONE_VALUE.sub("", head.label)
+    found = {names[fold(one)] for one in (*inner, before) if fold(one) in names}
+    return found.pop() if len(found) == 1 else head.label
 
 
 def _is_meant(heading: Heading, column: str, kind: str) -> bool:

@@ -453,8 +453,8 @@ def test_probes_that_the_mold_has_not_are_left_out_by_the_option_that_the_messag
     with pytest.raises(InputError, match=f'--columns "{option}"'):
         read_thermocouples(job, "t.csv", ["a"], PLAIN)
     assert read_thermocouples(job, "t.csv", ["a"], layout([option])).names == ["a"]
-    (tmp_path / "p.csv").write_text(f"time [s],cup Ave. [degC],room Ave. [degC],T9 [degC]\n{rows}")
-    with pytest.raises(InputError, match=re.escape('"cup Ave.=cup [degC],room Ave.=room [degC]"')):
+    (tmp_path / "p.csv").write_text(f"time [s],cup tip [degC],room far [degC],T9 [degC]\n{rows}")
+    with pytest.raises(InputError, match=re.escape('"cup tip=cup [degC],room far=room [degC]"')):
         read_thermocouples(job, "p.csv", ["room", "cup"], PLAIN)
     with pytest.raises(
         InputError, match=r'name = "a"\), or say which it is, as in --columns "a=cup \[degC\]"$'

@@ -365,6 +365,15 @@ def test_an_instrument_that_is_beyond_its_range_leaves_a_gap(word: str) -> None:
     assert [math.isnan(one) for one in table["cup"]] == [False, True, False]
 
 
+@pytest.mark.parametrize("title", ["101 <cup> (C)", "cup Ave. (\u00b0C)", "Cup_Last [degC]", "T1 (cup) [degC]"])
+def test_a_logger_tells_a_probe_beside_its_channel_or_how_it_was_averaged(title: str) -> None:
+    text = f"Time [s],{title},edge [degC],edge Ave. 2 [degC]\n0,20.5,21,20\n10,22,22,20\n"
+    table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", called=["cup", "edge"])
+    assert list(table.columns)[2:] == ["edge", "edge Ave. 2"]
+    assert [one.casefold() for one in list(table.columns)[1:2]] == ["cup"]
+    assert table[list(table.columns)[1]].tolist() == [20.5, 22.0]
+
+
 def test_degrees_stand_before_the_name_of_a_probe_and_an_open_sensor_is_a_gap() -> None:
     text = "Time [s];\u00b0C [1] cup;[\u00b0C] edge\n0;20,5;21\n10;OL;22\n20;23,5;-----\n"
     table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", gaps=True)
