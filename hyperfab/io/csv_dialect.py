@@ -27,6 +27,7 @@ from hyperfab.io.tables import (
     is_data,
     is_label,
     is_units,
+    refuse_grid,
     transposed,
     understood,
     with_units,
@@ -313,6 +314,8 @@ def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: 
 
     window = body[:_WINDOW]
     options = [(mark, _rows(window, mark)) for mark in SEPARATORS]
+    for _, rows in options if "x [mm]" in sought else ():
+        refuse_grid(rows, sought)
     chosen = best((mark, find(rows, wide, layout)) for mark, rows in options)
     if chosen is not None:
         mark, blocks = chosen

@@ -8,8 +8,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 
+import numpy as np
+
 from hyperfab.errors import InputError
-from hyperfab.io.cells import NO_READING, is_clock, is_number
+from hyperfab.io.cells import NO_READING, is_clock, is_number, plain_values
 from hyperfab.io.dictionary import is_closing, plain, setting, words
 from hyperfab.io.heading_words import NAMES
 from hyperfab.io.headings import Heading, heading, meaning, unit_behind, unit_of
@@ -197,6 +199,23 @@ def _units_of_channels(above: Sequence[Sequence[str]], width: int) -> list[str]:
         if cells and len(cells) <= width and plain(cells[0]) in _UNITS and is_units(told := ["", *cells[1:]]):
             return [*told, *[""] * (width - len(told))]
     return [""] * width
+
+
+def refuse_grid(rows: Sequence[Row], sought: Sequence[str]) -> None:
+    """InputError where readings stand in a grid over the plan, under one coordinate and beside the other."""
+    start = next((k for k, (_, cells) in enumerate(rows) if is_data(cells)), len(rows))
+    told = [cells for _, cells in rows[start:]]
+    if len(told) < 3 or len(told[0]) < 3 or any(len(cells) != len(told[0]) for cells in told):
+        return
+    for along in (told[0][1:], [cells[0] for cells in told[1:]]):
+        steps = np.diff(plain_values(along))
+        if len(steps) != len(along) - 1 or not (np.all(steps > 0.0) or np.all(steps < 0.0)):
+            return
+    raise InputError(
+        "is a grid of readings, one coordinate above and one beside it",
+        line=rows[start][0],
+        remedy=f'write a row for each place: "{",".join(sought)}"',
+    )
 
 
 def transposed(rows: Sequence[Row]) -> list[Row]:

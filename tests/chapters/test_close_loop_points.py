@@ -607,3 +607,33 @@ def test_a_film_is_as_loud_as_it_is_where_it_reads(count: int) -> None:
     assert Reading("film.csv", "pressure", values, places=places).guess(pressure).size == pytest.approx(
         1e-4, rel=2.0 / np.sqrt(count / 3.0)
     )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "Region,Center X [mm],Center Y [mm],Avg pressure [kPa],Max pressure [kPa],Area [mm2]\nR1,1,2,3,4,5\n",
+            '--columns "Center X [mm]=x [mm],Center Y [mm]=y [mm],Avg pressure [kPa]=pressure [kPa]"; z is how high',
+        ),
+        (
+            "X [mm],Y [mm],Z [mm],Avg pressure [kPa],Max pressure [kPa]\n1,2,0,3,4\n2,2,0,3,5\n",
+            '--columns "Avg pressure [kPa]=pressure [kPa]"',
+        ),
+        ("x [mm],y [mm],pressure [kPa]\n1,2,3\n", "z is how high the male's STL stands at x, y"),
+        (
+            "Film scan\nUnit: MPa\nmm,10,20,30\n10,0.1,0.2,0.3\n20,0.1,0.2,0.3\n30,0.1,0.2,0.4\n",
+            'line 3: is a grid of readings, one coordinate above and one beside it; write a row for each place: "x [',
+        ),
+    ],
+    ids=["no z", "mean and peak", "z alone", "grid"],
+)
+def test_what_a_film_lacks_is_said_with_what_helps(
+    text: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both coordinates were offered as strokes, a mean and a peak both as the pressure, a grid as rows to delete."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film.csv").write_text(text)
+    with pytest.raises(InputError) as caught:
+        read_press(Job("close-loop", [], Console(True)), "film.csv", PLAIN, Counter())
+    assert said in str(caught.value)

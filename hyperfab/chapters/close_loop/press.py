@@ -31,6 +31,7 @@ from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
+from hyperfab.io.dictionary import plain
 from hyperfab.io.headings import heading, is_of
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.loop.catalogue.press import FoamContext
@@ -135,13 +136,15 @@ def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> R
         return Reading(name, "fabric", table["thickness"], load=table["pressure"], sd=spread(table, "thickness"))
     kinds = [kind for kind in _COLUMNS if kind in table]
     if not all(axis in table for axis in "xyz") or len(kinds) != 1:
-        unread = [] if kinds else _likely(table)
+        unread = _likely(table) if not kinds or "x" not in table else []
+        flat = "z" not in table and all(axis in table or axis in {told[:1] for _, told in unread} for axis in "xy")
         raise InputError(
             "is no reading of a press",
             file=name,
             remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
             '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
-            + (f"; or say which it is, as in {filled_in(unread)}" if unread else ""),
+            + (f"; or say which it is, as in {filled_in(unread)}" if unread else "")
+            + ("; z is how high the male's STL stands at x, y" if flat else ""),
         )
     table = once(table, (kinds[0], f"{kinds[0]} sd"), left_out)
     time, values = _time(table), table[kinds[0]]
@@ -158,12 +161,18 @@ def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> R
 
 def _likely(table: Table) -> list[tuple[str, str]]:
     """Return what columns that were not read are by their units, for a message; else the last a pressure."""
-    placed = all(axis in table for axis in "xyz")
-    names = {"stress": "pressure", "length": "thickness"} if placed else {"length": "stroke", "force": "force"}
     heads = [heading(title, 0) for title in table.aside]
-    told = [(one, next((name for kind, name in names.items() if is_of(one.unit or "", kind)), None)) for one in heads]
+    placed = all(axis in table for axis in "xyz")
+    axes = [] if placed else [(one, axis) for one in heads for axis in "xyz" if axis in plain(one.label).split()]
+    names = {"stress": "pressure", "length": "thickness"} if placed or axes else {"length": "stroke", "force": "force"}
+    found = {axis: one for one, axis in reversed(axes)}
+    for one in heads:  # of a mean and a peak the first
+        name = next((name for kind, name in names.items() if is_of(one.unit or "", kind)), None)
+        if name is not None and one not in found.values():
+            found.setdefault(name, one)
     bare = [(one.title, "pressure [MPa]") for one in heads[-1:] if one.unit is None]
-    return [(one.title, f"{name} [{one.unit}]") for one, name in told if name] or bare
+    told = [(one, name) for one in heads for name, other in found.items() if other is one]
+    return [(one.title, f"{name} [{one.unit}]") for one, name in told] or bare
 
 
 def _time(table: Table) -> Array | None:
