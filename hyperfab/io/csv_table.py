@@ -38,7 +38,8 @@ _OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
 class Table:
     """Columns in the unit of their kind, the source line of each row, and the metadata of the file ``name``.
 
-    ``aside`` are the titles of the columns with cells that nothing was taken from, and nobody set aside.
+    ``aside`` are the titles of the columns with cells that nothing was taken from, and nobody set aside; ``shares``
+    those of them in per cent.
     """
 
     name: str
@@ -47,6 +48,7 @@ class Table:
     metadata: dict[str, str]
     left_out: Mapping[str, int] = field(default_factory=dict)
     aside: tuple[str, ...] = ()
+    shares: tuple[str, ...] = ()
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
@@ -165,7 +167,9 @@ def read_table(
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
-    return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in _unread(sheet, wanted)))
+    unread = _unread(sheet, wanted)
+    shares = tuple(one.title for one in unread if one.unit == "%")
+    return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in unread), shares)
 
 
 def _called_by(head: Heading, called: Sequence[str]) -> str:

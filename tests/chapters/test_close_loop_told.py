@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from conftest import Run
 
+from hyperfab.chapters.close_loop import names_of
 from hyperfab.chapters.close_loop.describe import _candidates
 from hyperfab.chapters.close_loop.fabric import _falls
 from hyperfab.chapters.close_loop.finalise import errors_apart
@@ -645,3 +646,21 @@ def test_a_law_that_falls_within_its_tests_is_told() -> None:
         ("uniaxial", "1.4"),
         ("biaxial", "1.05"),
     ]
+
+
+@pytest.mark.parametrize(("unit", "full"), [("%", 100.0), ("-", 1.0)])
+def test_a_duty_is_a_share_of_what_the_heaters_are_rated_at(
+    unit: str, full: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A controller logs how much of the time its heaters were on; no column could be called a power but by its head."""
+    monkeypatch.chdir(tmp_path)
+    rows = "".join(f"{t};{20 + t};{full * (t % 2):g}\n" for t in range(9))
+    (tmp_path / "t.csv").write_text(f"time;a;Stellgrad\ns;°C;{unit}\n{rows}")
+    job, said = Job("close-loop", [], Console(True)), layout([f"Stellgrad=power [{unit}]"], own=["a", "power"])
+    assert names_of("mold", {"probe": [{"name": "a"}]}) == ["a", "power"]
+    read = read_thermocouples(job, "t.csv", ["a"], said, 800.0)
+    assert read.power is not None
+    assert read.power.tolist() == [0.0, 800.0] * 4 + [0.0]
+    with pytest.raises(InputError, match="is a share of what power"):
+        read_thermocouples(job, "t.csv", ["a"], said)
+    assert read_thermocouples(job, "t.csv", ["a"], PLAIN, 800.0).shares == (("Stellgrad",) if unit == "%" else ())

@@ -50,7 +50,7 @@ def run(job: Job, case: LoopCase) -> int:
 
 def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
     """Return what columns may be called beside the names of a fabric's tests: of a mold, by the ``data`` of a document
-    that is not checked yet, its probes.
+    that is not checked yet, its probes, and the power.
 
     >>> names_of("contact", {})
     ('depth', 'force sd')
@@ -59,7 +59,7 @@ def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
         return _NAMES.get(kind, ())
     found = data.get("probe")
     tables = [one for one in found if isinstance(one, Mapping)] if isinstance(found, list) else []
-    return [one["name"] for one in tables if isinstance(one.get("name"), str)]
+    return [*(one["name"] for one in tables if isinstance(one.get("name"), str)), "power"]
 
 
 def domain_of(kind: str) -> Callable[[Job, Given], int]:

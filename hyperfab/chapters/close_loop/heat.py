@@ -26,6 +26,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, FacesInBox, MoldDocument
 from hyperfab.errors import HyperfabError, InputError, UsageError, placed
 from hyperfab.io.csv_write import csv_bytes
+from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding, close
@@ -65,14 +66,16 @@ def run(job: Job, given: Given) -> int:
                 remedy="measure the mold without pieces, and take the table out",
             )
     probes = [probe.name for probe in document.probe]
-    read = read_thermocouples(job, given.case.readings[0], probes, given.layout)
+    ruled = [heater.power or 0.0 for heater in document.heater if heater.control is not None]
+    rated = sum(ruled) if len(ruled) == len(document.heater) and all(ruled) else None
+    read = read_thermocouples(job, given.case.readings[0], probes, given.layout, rated)
     if any(heater.control is not None for heater in document.heater) and read.power is None:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
             file=given.case.model,
             key="heater.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
-            'schedule = "power.csv" in place of control',
+            'schedule = "power.csv" in place of control' + _as_share(read.shares, rated, given.layout),
         )
     level = stated_size(given.case.noise, "temperature-difference")
     builder = MoldBuilder(document, given.case.model, job.inputs)
@@ -105,6 +108,14 @@ def run(job: Job, given: Given) -> int:
         result.model = out.path(".model.toml").name
         _files(out, problem, found, read)
     return write(job, out, given, found, result)
+
+
+def _as_share(titles: Sequence[str], rated: float | None, layout: Layout) -> str:
+    """Return the option that takes the only column in per cent as a share of what the heaters are ``rated`` at [W]."""
+    if len(titles) != 1 or rated is None:
+        return ""
+    told = [one.entry for one in layout.columns]
+    return f"; if {titles[0]} is the share of {rated:g} W that was on, {filled_in([*told, (titles[0], 'power [%]')])}"
 
 
 def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: float) -> HeatProblem:

@@ -17,6 +17,7 @@ from hyperfab.chapters.look import stated_noise
 from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.dictionary import plain
+from hyperfab.io.headings import is_of
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
@@ -282,7 +283,8 @@ class Thermocouples:
     """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
 
     ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts readings that each
-    probe lacks, rows that are no reading, and readings that stood off their neighbours and are nan.
+    probe lacks, rows that are no reading, and readings that stood off their neighbours and are nan; ``shares`` are
+    titles of columns that nothing was taken from and that may tell a share of the power.
     """
 
     times: Array
@@ -290,15 +292,30 @@ class Thermocouples:
     names: list[str]
     power: Array | None = None
     left_out: Mapping[str, int] = field(default_factory=dict)
+    shares: tuple[str, ...] = ()
 
 
-def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layout) -> Thermocouples:
-    """Read a thermocouple file; every column of a temperature must be a probe of the mold."""
+def read_thermocouples(
+    job: Job, name: str, probes: Sequence[str], layout: Layout, rated: float | None = None
+) -> Thermocouples:
+    """Read a thermocouple file; every column of a temperature must be a probe of the mold.
+
+    A power that is told as a share, of one or in per cent, is one of what all heaters are ``rated`` at [W].
+    """
+    powers = [one for one in layout.columns if one.name == "power"]
+    share = next((one for one in powers if is_of(one.unit or "", "dimensionless")), None)
+    if share is not None and rated is None:
+        raise InputError(
+            "is a share of what power? not all heaters of the mold have a power and a thermostat",
+            file=name,
+            column=share.title,
+            remedy="write what all heaters drew together, as power [W]",
+        )
     table = read_table(
         job.inputs.read(name),
         name,
         {"time": "time"},
-        optional={"power": "power"},
+        optional={"power": "power" if share is None else "dimensionless"},
         increasing="time",
         rest="temperature",
         called=probes,
@@ -338,6 +355,8 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
                 remedy=f"give {FEWEST} or more, or leave the column out",
             )
     power = table["power"] if "power" in table.columns else None
+    if power is not None and share is not None and rated is not None:
+        power = power * rated
     names = [known[column.casefold()] for column in columns]
     lacking = zip(names, (~np.isfinite(readings)).sum(axis=0), strict=True)
     left_out = {f"no reading of {name}": int(count) for name, count in lacking if count} | dict(table.left_out)
@@ -359,4 +378,4 @@ def read_thermocouples(job: Job, name: str, probes: Sequence[str], layout: Layou
             f"{name}: the readings begin {begun:.6g} s after the start of the run and go on for {last - begun:.6g} s; "
             "time counts from the mold's start"
         )
-    return Thermocouples(table["time"], readings, names, power, left_out)
+    return Thermocouples(table["time"], readings, names, power, left_out, table.shares)
