@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 from datetime import date
 from decimal import Decimal
@@ -250,6 +250,7 @@ def seconds(sheet: CsvSheet, heading: Heading) -> Array:
     """
     cells = sheet.columns[heading.index]
     minutes_first: bool | None = None
+    days_of = _days({match["date"] for cell in cells if (match := MOMENT.fullmatch(cell)) and match["date"]})
     found: list[float] = []
     for row, cell in enumerate(cells):
         match = MOMENT.fullmatch(cell) or SPELLED.fullmatch(cell)
@@ -263,7 +264,7 @@ def seconds(sheet: CsvSheet, heading: Heading) -> Array:
             parts = [0, *parts[:2]] if minutes_first else parts
         if told.get("half"):
             parts[0] = parts[0] % 12 + (12 if told["half"][0] in "pP" else 0)
-        days = _day(told["date"]) if told.get("date") else 0
+        days = days_of.get(told.get("date") or "", 0)
         hours, minutes, whole = parts
         moment = 86400.0 * days + 3600.0 * hours + 60.0 * minutes + whole + float(f"0.{(told['part'] or '.0')[1:]}")
         found.append(moment - _zone(told.get("zone")))
@@ -300,11 +301,24 @@ def _zone(text: str | None) -> float:
     return (3600.0 * hours + 60.0 * minutes) * (-1.0 if text[0] == "-" else 1.0)
 
 
-def _day(text: str) -> int:
-    """Return the number of a day; of 3/4/2026 the order of day and month does not matter within a test of a day."""
+def _days(dates: Collection[str]) -> dict[str, int]:
+    """Return the number of the day of each date, 0 of none. Of 3/4/2026 the day or the month comes first in all of
+    them, whichever makes them lie closer together: a log past midnight goes on by a day, not by a month.
+
+    >>> days = _days({"03/01/2024", "03/02/2024"})
+    >>> days["03/02/2024"] - days["03/01/2024"]
+    1
+    """
+    options = [{text: _day(text, month_first) for text in dates} for month_first in (False, True)]
+    known = [found for found in options if all(found.values())]
+    return min(known or options, key=lambda found: max(found.values(), default=0) - min(found.values(), default=0))
+
+
+def _day(text: str, month_first: bool) -> int:
+    """Return the number of a day, 0 where the date is none."""
     parts = [int(part) for part in re.split(r"[-./]", text)]
     year, month, day = parts if parts[0] > 31 else (parts[2], parts[1], parts[0])
-    if month > 12:
+    if month_first and parts[0] <= 31:
         month, day = day, month
     try:
         return date(year, month, day).toordinal()

@@ -374,6 +374,20 @@ def test_a_logger_tells_a_probe_beside_its_channel_or_how_it_was_averaged(title:
     assert table[list(table.columns)[1]].tolist() == [20.5, 22.0]
 
 
+@pytest.mark.parametrize(
+    "dates",
+    [
+        ("03/01/2024", "03/02/2024"), ("01/03/2024", "02/03/2024"), ("03/12/24", "03/13/24"), ("31.1.2024", "1.2.2024"),
+        ("2024-03-01", "2024-03-02"), ("12/31/2023", "01/01/2024"), ("02/29/2024", "03/01/2024"),
+    ],
+)  # fmt: skip
+def test_a_log_past_midnight_goes_on_by_a_day_whichever_way_dates_are_written(dates: tuple[str, str]) -> None:
+    """Of 03/01 and 03/02 the second was a month later, in silence."""
+    rows = f"{dates[0]} 23:59:50,20\n{dates[1]} 00:00:00,21\n{dates[1]} 00:00:10,22\n"
+    table = read_table(f"Time,cup [degC]\n{rows}".encode(), "log.csv", {"time": "time"}, rest="temperature")
+    assert table["time"].tolist() == [0.0, 10.0, 20.0]
+
+
 def test_degrees_stand_before_the_name_of_a_probe_and_an_open_sensor_is_a_gap() -> None:
     text = "Time [s];\u00b0C [1] cup;[\u00b0C] edge\n0;20,5;21\n10;OL;22\n20;23,5;-----\n"
     table = read_table(text.encode(), "log.csv", {"time": "time"}, rest="temperature", gaps=True)
