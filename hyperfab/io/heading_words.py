@@ -226,7 +226,7 @@ FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canal
 #: What reads a specimen's own elongation, in words beside it: surer than the machine's.
 GAUGES = """extensometer; videoextensometer; video extensometer; video; optical; laser; clip on; clip gauge; clip gage;
     non contact; contactless; extensometro; extensometre; estensometro; laserextensometer; optisch; optische;
-    feindehnung"""
+    feindehnung; dic; image correlation; bildkorrelation"""
 #: What is on a specimen, where a file states by what its strain was read; beside these what reads it.
 MARKS = """marks; marker; markers; pins; dots; speckle; speckles; correlation; dic; camera; cameras; yes; marken;
     messmarken; bildkorrelation; marcas; marques; marcatori"""

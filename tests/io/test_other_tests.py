@@ -7,6 +7,7 @@ import pytest
 
 from hyperfab.errors import InputError
 from hyperfab.io.csv_tests import TestData, read_tests
+from hyperfab.io.headings import heading, meaning
 from hyperfab.io.specimen import Geometry
 
 STRIP = Geometry(gauge_length=100.0, width=50.0)
@@ -70,3 +71,17 @@ def test_a_length_beside_an_extension_tells_the_gauge_length() -> None:
     assert found.mode == "biaxial-general"
     assert found.stretch == pytest.approx([1.0, 1.05, 1.1])
     assert found.stretch2 == pytest.approx([1.0, 1.05, 1.1])
+
+
+def test_image_correlation_reads_along_both_axes_of_a_biaxial_test() -> None:
+    above = "Biaxial test\nArm width;40;mm\nGauge length;20;mm\n\n"
+    head = "Time (s);Load cell X (mN);Load cell Y (mN);DIC displacement X (mm);DIC displacement Y (mm)\n"
+    [found] = read(f"{above}{head}0;0;0;0;0\n1;100;90;1;0.9\n2;200;180;2;1.8\n")
+    assert (found.mode, found.on_specimen) == ("biaxial-general", True)
+    assert found.stretch2 == pytest.approx([1.0, 1.045, 1.09])
+    assert found.stress == pytest.approx([0.0, 0.0025, 0.005])
+
+
+@pytest.mark.parametrize("title", ["Marker distance [mm]", "Camera time [s]", "Extensometer strain 2 [%]"])
+def test_what_a_gauge_is_numbered_or_stands_at_is_no_reading_along_an_axis(title: str) -> None:
+    assert meaning(heading(title, 0)) is None
