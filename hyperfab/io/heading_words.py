@@ -94,7 +94,8 @@ COLUMNS: dict[str, str] = {
         sure; zaman; gecen sure""",
     "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
         pruftemperatur; probentemperatur; temperatura; temperatura de ensayo; temperatura de la probeta;
-        temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; температура; t c;
+        temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; 试验温度;
+        测试温度; температура; t c;
         sicaklik; numune sicakligi""",
     "chamber": """chamber temperature; oven temperature; chamber temp; ambient temperature; room temperature;
         kammertemperatur; raumtemperatur; umgebungstemperatur; temperatura ambiente; temperatura de la camara;

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along
+from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along, words
 from hyperfab.io.headings import heading, unit_behind, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.other_tests import unread
@@ -27,6 +27,9 @@ _GROUPED = re.compile(r"[^:=]{1,60}? : ([^:=]+)")
 #: A number, perhaps with a unit behind it; and a name before one.
 _AMOUNT = re.compile(r"[-+]?\d[\d.,]* ?\S{0,12}")
 _KEY_AND_AMOUNT = re.compile(r"(\D{2,60}?) +([-+]?\d[\d.,]* ?\S{1,12})")
+#: What tells how warm the room is, where a test may be made at another temperature.
+_ROOM = """room temperature; ambient temperature; lab temperature; laboratory temperature; raumtemperatur;
+    umgebungstemperatur; temperatura ambiente; temperature ambiante; 室温; 环境温度"""
 #: Settings that are none, or change nothing.
 _UNTOLD = (None, "quiet")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
@@ -61,6 +64,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     ``Zugversuch nach ISO 13934-1`` in a line by itself, states it.
     """
     found: dict[str, list[Entry]] = {}
+    of_room: list[Entry] = []
     for line, row in rows:
         cells = [part for cell in row for part in _parted(cell)]
         if len(alone := [cell for cell in cells if cell]) == 1:
@@ -83,6 +87,9 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
                 name = "test"
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
                 found.setdefault(name, []).append(entry)
+                of_room += [entry] if plain(key) in words(_ROOM) else []
+    if of_room and (warm := [one for one in found["temperature"] if one not in of_room]):
+        found["temperature"] = warm  # what a test is made at goes before what the room is at
     return found
 
 

@@ -85,3 +85,15 @@ def test_image_correlation_reads_along_both_axes_of_a_biaxial_test() -> None:
 @pytest.mark.parametrize("title", ["Marker distance [mm]", "Camera time [s]", "Extensometer strain 2 [%]"])
 def test_what_a_gauge_is_numbered_or_stands_at_is_no_reading_along_an_axis(title: str) -> None:
     assert meaning(heading(title, 0)) is None
+
+
+@pytest.mark.parametrize("room", ["Room temperature;23;°C", "Raumtemperatur;23;°C", "Ambient temperature: 23 °C"])
+def test_a_test_is_as_warm_as_it_was_made_and_not_as_its_room(room: str) -> None:
+    for lines in ((room, "Test temperature;80;°C"), ("试验温度;80;°C", room)):
+        text = "\n".join(["Tensile test", *lines, "", "Displacement [mm];Force [N]", "1;2", "2;4"])
+        [found] = read(text, geometry=STRIP)
+        assert found.temperature_degC is not None
+        assert found.temperature_degC.tolist() == [80.0, 80.0]
+    [found] = read(f"Tensile test\n{room}\n\nDisplacement [mm];Force [N]\n1;2\n2;4\n", geometry=STRIP)
+    assert found.temperature_degC is not None
+    assert found.temperature_degC.tolist() == [23.0, 23.0]
