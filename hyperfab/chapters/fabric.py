@@ -208,9 +208,19 @@ class FabricDocument:
             ) from None
 
 
-def read_fabric_document(job: Job, name: str, asked: float | None) -> FabricDocument:
-    """Read a material document for use at a temperature [degC], or at that of its own constants."""
+def per_width(name: str) -> str:
+    """Say that a material document is taken as it stands, its constants per width."""
+    return f"{name} is per width: 1 mm is taken, and a stress in MPa is N/mm of width (--thickness sets it)"
+
+
+def read_fabric_document(job: Job, name: str, asked: float | None, thickness: float | None = None) -> FabricDocument:
+    """Read a material document for use at a temperature [degC], or at that of its own constants.
+
+    ``thickness`` [mm] is the sheet's where that is known: constants per width become stresses over it.
+    """
     document = read_document(job.inputs, name, MaterialDocument)
+    if thickness is not None:
+        document = document.over(thickness)
     tentative = [str(one.get("id", "?")) for one in document.effects or [] if one.get("tentative")]
     if tentative:
         job.console.warn(

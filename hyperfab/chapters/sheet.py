@@ -31,7 +31,8 @@ _WHY_NOT = {
 class Fabric:
     """A sheet's law as read from a material document, in words too.
 
-    ``tested`` are the smallest and the largest stretch of the tests behind it, along the direction tested less.
+    ``tested`` are the smallest and the largest stretch of the tests behind it, along the direction tested less;
+    ``per_width`` says that its thickness is nominal, and its stresses in MPa are N/mm of width.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Fabric:
     temperature: float | None = None
     held_at: float | None = None
     tested: tuple[float, float] | None = None
+    per_width: bool = False
 
     def strip_stress(self, stretch: float) -> float:
         """Return the nominal stress [MPa] of a strip at a stretch, along warp or weft, whichever bears more."""
@@ -52,12 +54,12 @@ class Fabric:
         return float(self.law.principal(narrow).nominal.max())
 
 
-def read_fabric(job: Job, name: str, degrees: float | None = None) -> Fabric:
+def read_fabric(job: Job, name: str, degrees: float | None = None, thickness: float | None = None) -> Fabric:
     """Read a material document and make a sheet's law of it, at a temperature [degC] where given.
 
-    Raises InputError where the document is wrong.
+    ``thickness`` [mm] is the sheet's where that is known. Raises InputError where the document is wrong.
     """
-    read = read_fabric_document(job, name, degrees)
+    read = read_fabric_document(job, name, degrees, thickness)
     read.used_at(job)
     return sheet_of(read)
 
@@ -76,6 +78,7 @@ def sheet_of(read: FabricDocument) -> Fabric:
         temperature=read.temperature,
         held_at=read.held_at,
         tested=(max(lows), min(highs)) if highs else None,
+        per_width=bool(read.document.thickness_nominal),
     )
 
 

@@ -191,7 +191,7 @@ class Forward:
         # What the files are warned of was said when the document was made.
         self.job = replace(job, console=Listener())
         self.geometry = read_geometry(self.job, case)
-        self.fabric = read_fabric(self.job, case.material, case.temperature)
+        self.fabric = read_fabric(self.job, case.material, case.temperature, case.thickness)
 
     def test(self, settings: Mapping[str, float] = {}) -> SphereTest:
         """Return the test with relative law constants and added effects."""
@@ -200,7 +200,7 @@ class Forward:
         if any(value != 1.0 for value in ratios.values()):
             changed = dump_json(scaled_material(self.material, ratios).to_json())
             job = replace(self.job, inputs=Overlay({self.case.material: changed}))
-            fabric = read_fabric(job, self.case.material, self.case.temperature)
+            fabric = read_fabric(job, self.case.material, self.case.temperature, self.case.thickness)
         test = setup_of(contact_applied(self.case, settings), self.geometry, fabric).test(fabric)
         return replace(test, mesh_size=max(test.mesh_size, _MESH * test.outline.reach), order=_ORDER)
 

@@ -9,7 +9,7 @@ import numpy as np
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.chapters.drape.curves import read_curve
-from hyperfab.chapters.fabric import read_fabric_document
+from hyperfab.chapters.fabric import per_width, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import Fabric as SheetFabric
 from hyperfab.chapters.sheet import sheet_of
@@ -87,7 +87,6 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
             if test is None:
                 job.console.note(f"no {other}: the curve of {option} is taken for both directions")
         tests = [test or next(one for one in tests if one is not None) for test in tests]
-    fabric = None if name is None else _of_document(job, name, case)
     known = {file: curve.thickness for file, curve in filter(None, tests) if curve.thickness is not None}
     if given is None and known and max(known.values()) > 1.02 * min(known.values()):
         thickest = max(known, key=lambda file: known[file])
@@ -97,7 +96,9 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
             key="thickness",
             remedy="give --thickness",
         )
-    thick = given or (fabric and fabric.thickness) or (float(np.mean(list(known.values()))) if known else None)
+    stated = given or (float(np.mean(list(known.values()))) if known else None)
+    fabric = None if name is None else _of_document(job, name, case, stated)
+    thick = given or (fabric and fabric.thickness) or stated
     if thick is None:
         thick = USUAL_THICKNESS
         told = name or case.warp or case.weft
@@ -120,11 +121,13 @@ def read_fabric(job: Job, case: DrapeCase) -> Fabric:
     return replace(fabric or Fabric((ways[0], ways[1]), thick), ways=(ways[0], ways[1]), thickness=thick)
 
 
-def _of_document(job: Job, name: str, case: DrapeCase) -> Fabric:
-    """The fabric of a material document; thickness 0 where it states none."""
-    read = read_fabric_document(job, name, case.temperature)
+def _of_document(job: Job, name: str, case: DrapeCase, thickness: float | None) -> Fabric:
+    """The fabric of a material document; thickness 0 where it states none. ``thickness`` [mm]: known from elsewhere."""
+    read = read_fabric_document(job, name, case.temperature, thickness)
     read.used_at(job)
     document = read.document
+    if document.thickness_nominal:
+        job.console.note(per_width(name))
     untold = [
         str(effect.get("id", "?"))
         for effect in document.effects or []

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from hyperfab.cases.contact import ContactCase
+from hyperfab.chapters.fabric import per_width
 from hyperfab.chapters.fabric_contact import nearby
 from hyperfab.chapters.fabric_contact.fields import picture, vtu
 from hyperfab.chapters.fabric_contact.result import Tested, compared, document, mounted_row, row
@@ -15,7 +16,7 @@ from hyperfab.chapters.fabric_contact.setup import Setup, read_geometry, setup_o
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import Fabric, read_fabric
 from hyperfab.chapters.uncertainty.carry import Sure, carry
-from hyperfab.errors import NotConverged
+from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.csv_write import csv_bytes
 from hyperfab.io.output import Output
 from hyperfab.membrane.equilibrium import State
@@ -31,12 +32,14 @@ from hyperfab.numerics.threads import side_by_side
 def run(job: Job, case: ContactCase) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
     out = job.opened(job.target, (".vtu", ".csv", ".png"))
-    fabrics = [read_fabric(job, name, case.temperature) for name in (case.material, case.against) if name is not None]
+    fabrics = _read_fabrics(job, case)
     geometry = read_geometry(job, case)
     setup = setup_of(case, geometry, fabrics[0])
     out.refuse_inputs(job.inputs)
     if case.thickness is None and fabrics[0].thickness is None:
         job.console.note(f"{case.material} states no thickness: 1 mm is taken (--thickness sets it)")
+    elif fabrics[0].per_width:
+        job.console.note(per_width(case.material))
     outcomes = _pressed(job, setup, fabrics)
     tested = [
         Tested(fabric, outcome, first_instability(outcome)) for fabric, outcome in zip(fabrics, outcomes, strict=True)
@@ -77,6 +80,23 @@ def run(job: Job, case: ContactCase) -> int:
         _draw(out, tested, sure)
     job.write(out, found, case)
     return NotConverged.exit_status if any(one.failed for one in tested) else 0
+
+
+def _read_fabrics(job: Job, case: ContactCase) -> list[Fabric]:
+    first = read_fabric(job, case.material, case.temperature, case.thickness)
+    if case.against is None:
+        return [first]
+    thickness = case.thickness or (None if first.per_width else first.thickness)
+    second = read_fabric(job, case.against, case.temperature, thickness)
+    if first.per_width != second.per_width:
+        one, other = (first, second) if first.per_width else (second, first)
+        raise InputError(
+            f"has constants per width, {other.name} those of stresses over a thickness",
+            file=one.name,
+            key="thickness_nominal",
+            remedy="give --thickness",
+        )
+    return [first, second]
 
 
 def _pressed(job: Job, setup: Setup, fabrics: list[Fabric]) -> list[Outcome]:

@@ -85,7 +85,7 @@ class Beside(Nearby):
 
     def _test(self, changes: Changes) -> tuple[SphereTest, float]:
         moved = self._origins.changed(self._case, self._job.inputs, changes)
-        fabric = read_fabric(moved.job, moved.case.material, moved.case.temperature)
+        fabric = read_fabric(moved.job, moved.case.material, moved.case.temperature, moved.case.thickness)
         setup = setup_of(moved.case, self._geometry, fabric)
         return setup.test(fabric), setup.depths[-1]
 

@@ -189,7 +189,7 @@ def fabrics(job: Job, name: str, document: FoamDocument, temperature: float) -> 
         if isinstance(layer, str):
             path = Inputs.beside(name, layer)
             material = read_document(job.inputs, path, MaterialDocument)
-            if material.thickness_mm is None:
+            if material.thickness_mm is None or material.thickness_nominal:
                 raise InputError(
                     f"the material document {layer} states no thickness",
                     file=name,
