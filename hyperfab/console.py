@@ -210,10 +210,10 @@ class Console:
 
 @contextlib.contextmanager
 def _quiet_pipe() -> Iterator[None]:
-    """Nobody reads our messages any more: that is no reason to lose the result."""
+    """Nobody reads our messages any more, or a full disk takes none: that is no reason to lose the result."""
     try:
         yield
-    except BrokenPipeError:
+    except OSError:
         # What waits to be written would fail once more at the end, and so would the next message.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stderr.fileno())

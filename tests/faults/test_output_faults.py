@@ -85,10 +85,9 @@ def hf(arguments: list[str], folder: Path, **keywords: object) -> subprocess.Com
         [sys.executable, "-m", "hyperfab", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stderr=subprocess.PIPE,
         check=False,
         timeout=120,
-        **keywords,  # type: ignore[call-overload]
+        **{"stderr": subprocess.PIPE, **keywords},  # type: ignore[call-overload]
     )
 
 
@@ -128,6 +127,14 @@ def test_work_goes_on_where_nobody_reads_the_messages() -> None:
     done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=writing, check=False)
     os.close(writing)
     assert (done.returncode, done.stdout) == (0, b"written\n")
+
+
+def test_a_full_disk_behind_the_messages_costs_no_result(tmp_path: Path) -> None:
+    # Status 1 would say that the verdict is negative.
+    with open("/dev/full", "wb") as full:
+        done = hf([*FIT, "-o", "fabric.json"], tmp_path, stderr=full)
+    assert done.returncode == 0
+    assert (tmp_path / "fabric.json").exists()
 
 
 def test_closed_standard_streams_are_no_traceback(tmp_path: Path) -> None:
