@@ -188,13 +188,15 @@ def _what(tests: Sequence[TestData]) -> str:
     parts += [", ".join(directions)] if directions else []
     specimens = {(test.source, test.specimen) for test in tests}
     parts += [f"{len(specimens)} specimens"] if len(specimens) > 1 else []
-    for name, sizes in (
-        ("gauge length", {test.gauge_length_mm for test in tests}),
-        ("width", {test.width_mm for test in tests}),
-        ("thickness", {test.thickness_mm for test in tests}),
+    for name, unit, sizes in (
+        ("gauge length", "mm", {test.gauge_length_mm for test in tests}),
+        ("width", "mm", {test.width_mm for test in tests}),
+        ("thickness", "mm", {test.thickness_mm for test in tests}),
+        ("diameter", "mm", {test.diameter_mm for test in tests}),
+        ("area", "mm2", {test.area_mm2 for test in tests}),
     ):
         known = sorted(size for size in sizes if size is not None)
-        parts += [f"{name} {span(known[0], known[-1])} mm"] if known else []
+        parts += [f"{name} {span(known[0], known[-1], unit=unit)}"] if known else []
     warm = [one for test in tests if (one := test.temperature_degC) is not None]
     if warm:
         parts.append(f"{span(min(float(one.min()) for one in warm), max(float(one.max()) for one in warm))} degC")

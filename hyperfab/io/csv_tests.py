@@ -43,7 +43,7 @@ class TestData(TestCurve):
     """A measured curve with what its file tells beside: every row, in the file's order.
 
     ``understood`` says in a line how the file was read, ``chosen`` which columns that was told of, ``left_out`` counts
-    rows by the reason for which they were left out.
+    rows by the reason for which they were left out. ``area_mm2`` or ``diameter_mm`` is the section where so stated.
     """
 
     lines: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
@@ -52,6 +52,8 @@ class TestData(TestCurve):
     left_out: Mapping[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     metadata: Mapping[str, str] = field(default_factory=dict)
+    area_mm2: float | None = None
+    diameter_mm: float | None = None
 
 
 def read_tests(
@@ -154,6 +156,8 @@ def _read_sheet(
             left_out=sheet.left_out,
             notes=(*loading.notes, *turned, *notes),
             metadata=metadata,
+            area_mm2=sizes.area,
+            diameter_mm=sizes.diameter,
         )
         odd = refuse_impossible(part, sheet, columns, clock)
         found.append(replace(part, notes=(*part.notes, *odd)))

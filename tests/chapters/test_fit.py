@@ -37,6 +37,18 @@ def fit(hf: Run, *arguments: object, status: int = 0, **options: object) -> dict
     return document
 
 
+@pytest.mark.parametrize(
+    ("test", "size", "told"),
+    [("uniaxial", "area: 0.25 cm2", "area 25 mm2"), ("biaxial", "diameter: 10 cm", "diameter 100 mm")],
+)
+def test_the_section_that_makes_a_stress_of_a_force_is_told(hf: Run, tmp_path: Path, test, size, told) -> None:
+    rows = "\n".join(f"{10 * k},{k}" for k in range(1, 6))
+    top = f"# test: {test}\n# gauge length: 100 mm\n# thickness: 0.5 mm\n# {size}"
+    (tmp_path / "pull.csv").write_text(f"{top}\nextension [mm],force [N]\n{rows}\n")
+    found = fit(hf, tmp_path / "pull.csv", "--model", "neo-hookean", "--accept", "1")
+    assert any(told in line for line in found["preparation"])
+
+
 def test_case_A_predicts_the_tests_it_has_not_seen(hf: Run) -> None:
     found = fit(hf, *ALL, "--model", "yeoh-3", "--fit-on", "uniaxial")
     assert found["format"] == "hyperfab.material/1"
