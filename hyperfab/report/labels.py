@@ -14,7 +14,9 @@ COLOURS = (AFTER, BEFORE, "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#8c6d31")
 
 #: Ends of names, the longest first, and the unit they stand for.
 _UNITS = {
-    "_m2K_W": "m²K/W", "_W_m2K": "W/m²K", "_N_mm": "N/mm", "_MPa_mm": "MPa/mm", "_mm_per_unit": "mm a unit",
+    "_m2K_W": "m²K/W", "_W_m2K": "W/m²K", "_W_m2_K": "W/m²K", "_W_m2": "W/m²", "_W_K": "W/K", "_J_K": "J/K",
+    "_J_mol": "J/mol", "_mm2_N": "mm²/N", "_mm_kN": "mm/kN", "_mm_N": "mm/N", "_K_m": "K/m", "_K_s2": "K/s²",
+    "_K_s3": "K/s³", "_MPa_s": "MPa/s", "_N_mm": "N/mm", "_MPa_mm": "MPa/mm", "_mm_per_unit": "mm a unit",
     "_K_s": "K/s", "_1_K": "1/K", "_1_s": "1/s", "_per_K2": "1/K²", "_per_K": "1/K", "_mm2": "mm²", "_g_m2": "g/m²",
     "_degC": "°C", "_deg": "°", "_MPa": "MPa", "_kPa": "kPa", "_mm": "mm", "_min": "min", "_kg": "kg", "_kJ": "kJ",
     "_MJ": "MJ", "_J": "J", "_N": "N", "_K": "K", "_s": "s", "_W": "W",
@@ -51,8 +53,8 @@ def title(name: str) -> str:
 def parted(name: str) -> tuple[str, str]:
     """Return the words of a name and its unit.
 
-    >>> parted("gap_min_mm"), parted("C10_MPa"), parted("weft_more")
-    (('gap min', 'mm'), ('C10', 'MPa'), ('weft more', ''))
+    >>> parted("gap_min_mm"), parted("C10_MPa"), parted("weft_more"), parted("rim_slip_mm2_N")
+    (('gap min', 'mm'), ('C10', 'MPa'), ('weft more', ''), ('rim slip', 'mm²/N'))
     """
     for end, unit in _UNITS.items():
         if name.endswith(end) and len(name) > len(end):
