@@ -178,7 +178,7 @@ class DrapeCase(Case):
     )  # fmt: skip
     mass: float = amount(
         "mass-per-area", "MASS/AREA", "Fabric's mass per area: lets its weight act.", "0g/m^2", example="180g/m^2",
-        least=0.0,
+        least=0.0, most=1e6,
     )  # fmt: skip
     shear_modulus: float | None = amount(
         "stress", "STRESS", "Threads resist turning by this shear modulus.", example="0.05MPa", above=0.0,

@@ -167,7 +167,7 @@ def series(item: Kind, mark: str, count: tuple[int, ...], metavar: str, help: st
 def thickness() -> Any:
     """Return the field for the thickness of a fabric."""
     help = "Thickness; the material's own where it has one, else 1mm."
-    return amount("length", "LENGTH", help, example="0.8mm", above=0.0)
+    return amount("length", "LENGTH", help, example="0.8mm", above=0.0, most=1000.0)
 
 
 def uncertainty() -> Any:

@@ -22,6 +22,8 @@ from hyperfab.materials.orthotropic import Orthotropic
 
 #: The law that is the whole sheet's, not one direction's.
 ORTHOTROPIC = Orthotropic.name
+#: No constant [MPa] is larger: diamond has a modulus of 1.2e6, and those of high powers of small strains are larger.
+STIFFEST = 1e12
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,12 @@ def read_fabric_document(job: Job, name: str, asked: float | None, thickness: fl
     ``thickness`` [mm] is the sheet's where that is known: constants per width become stresses over it.
     """
     document = read_document(job.inputs, name, MaterialDocument)
+    for key, constants in document.every_constant():
+        for one, value in constants.items():
+            if one.endswith("_MPa") and abs(value) > STIFFEST:
+                raise InputError(
+                    f"{value:g} is no constant of a fabric", file=name, key=f"{key}.{one}", remedy="check its unit"
+                )
     if thickness is not None:
         document = document.over(thickness)
     tentative = [str(one.get("id", "?")) for one in document.effects or [] if one.get("tentative")]

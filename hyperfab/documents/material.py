@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -260,6 +260,15 @@ class MaterialDocument(Document):
         result.format = result.format_name()
         return result
 
+    def every_constant(self) -> Iterator[tuple[str, Parameters]]:
+        """Yield the place of each set of constants in the document, and the set itself."""
+        parts: list[tuple[str, MaterialDocument | Direction]] = [("", self)]
+        parts += [(f"directions.{way}.", one) for way, one in (self.directions or {}).items()]
+        for place, part in parts:
+            yield f"{place}parameters", part.parameters
+            for index, row in enumerate(part.temperatures or ()):
+                yield f"{place}temperatures.{index}.parameters", row.parameters
+
     def over(self, thickness_mm: float) -> MaterialDocument:
         """Return a copy whose constants are stresses over a thickness, where they are per width; else the document.
 
@@ -274,10 +283,8 @@ class MaterialDocument(Document):
             return self
         share = (self.thickness_mm or 1.0) / thickness_mm
         result = self.model_copy(deep=True, update={"thickness_mm": thickness_mm, "thickness_nominal": None})
-        parts: list[MaterialDocument | Direction] = [result, *(result.directions or {}).values()]
-        for part in parts:
-            for one in (part, *(part.temperatures or ())):
-                one.parameters = _stresses_times(share, one.parameters)
+        for _, constants in result.every_constant():
+            constants.update(_stresses_times(share, constants))
         for effect in result.effects or []:
             effect["parameters"] = _stresses_times(share, effect.get("parameters") or {})
         return result

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 import trimesh
 
+from hyperfab.cases.drape import DrapeCase
+from hyperfab.cases.options import read
 from hyperfab.chapters.fabric_contact.outline import read_outline
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import read_fabric
@@ -41,6 +44,22 @@ def _fabric(job, folder, temperature=None, **more):
 
 def _export(points, faces, name):
     trimesh.Trimesh(np.asarray(points, float), faces, process=False).export(name)
+
+
+def test_constants_of_no_fabric_are_refused_with_their_place(job, made):
+    with pytest.raises(InputError) as refused:
+        _fabric(job, made, parameters={"C10_MPa": 1e200})
+    assert refused.value.key == "parameters.C10_MPa"
+    hot = [{"temperature_degC": 80.0, "parameters": {"C10_MPa": -1e200}}]
+    with pytest.raises(InputError) as refused:
+        _fabric(job, made, directions={"weft": {"parameters": {"C10_MPa": 0.1}, "temperatures": hot}})
+    assert refused.value.key == "directions.weft.temperatures.0.parameters.C10_MPa"
+
+
+@pytest.mark.parametrize(("option", "told"), [("--thickness 1e300mm", "1000mm"), ("--mass 1e300g/m^2", "1e+06g/m^2")])
+def test_sizes_of_no_fabric_are_refused(option, told):
+    with pytest.raises(UsageError, match=re.escape(told)):
+        read(DrapeCase, ["fabric.json", "--mold", "cup.stl", *option.split()])
 
 
 # ---- outlines --------------------------------------------------------------------------------------------------
