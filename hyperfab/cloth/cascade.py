@@ -6,7 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from hyperfab.arrays import Array
+
+from .depth import stands_out, vertices
 from .dynamic import swing
 from .mirror import mirrors
 from .mold import Mold, raised
@@ -26,6 +30,8 @@ NEARLY, SWINGS, ROUNDS = 1.0, 200, 3
 CUT, EASING = 0.5, 15
 #: A membrane that its net does not lead to is pushed up in so many steps, halved down to one part in so many.
 PUSHES, LEAST_PUSH = 8, 100
+#: A mold that stands out through a grid by so many of its spacings has passed between its nodes.
+PASSED = 2.0
 
 
 class BeyondLaw(Exception):
@@ -114,12 +120,59 @@ def _eased(sheet: Sheet, mold: Mold, start: State, report: Callable[[Step], None
     return swung.state, tried.history + swung.history
 
 
+def _passed(state: State, sheet: Sheet, mold: Mold, corners: Array) -> bool:
+    """Whether part of the mold, a thin wall or a pin, has passed between the nodes of a sheet at rest.
+
+    That takes one of its ``corners`` (k, 3) so high above the node next to it, seen from above (every second node
+    tells); a net that is as steep has one too, so where one is found the net's cells are asked.
+    """
+    far = PASSED * max(sheet.spacing)
+    nodes = state.x[::2, ::2].reshape(-1, 3)
+    high = corners[corners[:, 2] > nodes[:, 2].min() + far]
+    near = cKDTree(nodes[:, :2]).query(high[:, :2])[1]
+    if not (high[:, 2] > nodes[near, 2] + far).any():
+        return False
+    return stands_out(state.x, sheet, mold)[0] > far
+
+
+def _rested(
+    grid: Sheet, mold: Mold, start: State, goal: float, last: bool, report: Callable[[Step], None] | None
+) -> Equilibrium:
+    """Where the sheet comes to rest on one grid, with the history of the way there; ``last``: the one asked for."""
+    found = equilibrium(grid, mold, start, goal, report=report)
+    history = list(found.history)
+    net, sharp = grid.membrane is None, len(mold.creases.corners) > 0
+    if sharp and net and not last:  # of several rests beside a sharp edge, the lower one
+        other = equilibrium(grid, mold, start, goal, report=report, leaps=True)
+        history += other.history
+        found = min(found, other, key=lambda one: (not one.converged, one.energy))
+    if not np.isfinite(found.energy):
+        raise BeyondLaw
+    for _ in range(ROUNDS):
+        if found.converged or found.residual_relative > NEARLY:
+            break
+        swung = swing(grid, mold, found.state, goal, SWINGS, report)
+        history += swung.history
+        again = swung if swung.converged else equilibrium(grid, mold, swung.state, goal, report=report)
+        history += [] if again is swung else again.history
+        found = min(found, again, key=lambda one: one.residual_relative)
+    # On the grid asked for a shape that leans may be, where no even one is found.
+    if not found.converged and last and mirrors(grid, mold):
+        free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False, leaps=True)
+        history += free.history
+        found = min(found, free, key=lambda one: one.residual_relative)
+    found.history = history
+    return found
+
+
 def drape(
     sheet: Sheet, mold: Mold, tolerance: float = 1e-6, report: Callable[[Step], None] | None = None
 ) -> Equilibrium:
     """Equilibrium of a flat sheet lowered onto a mold from above.
 
-    Returns the state on the sheet's own grid, with the history of all grids.
+    Returns the state on the sheet's own grid, with the history of all grids. A grid starts from the answer of the one
+    before, unless the mold has passed between the nodes of that: a wall with nodes on both sides of it comes back over
+    none that is finer. Then, and where it passes on the way from there, the grid is lowered anew.
     Raises HeldNodeInside where the mold reaches a clamped node, BeyondLaw where a membrane has no answer to begin with.
 
     >>> from trimesh.creation import icosphere
@@ -132,40 +185,23 @@ def drape(
     >>> found.converged, bool(found.state.contact[10, 10])
     (True, True)
     """
-    state, history = None, []
+    state, history, corners = None, [], vertices(mold)
     sizes = grid_sizes(sheet.n, sheet.m)
-    net, sharp = sheet.membrane is None, len(mold.creases.corners) > 0
     for n, m in sizes:
-        grid = sheet.coarser(n, m)
-        if state is None:
-            start = _begun(grid, mold)
-        else:
+        grid, last = sheet.coarser(n, m), (n, m) == sizes[-1]
+        goal, passed = tolerance if last else max(tolerance, COARSE_TOLERANCE), True
+        if state is not None:
             start = refined(state, grid, mold)
-            if sharp and not net:
+            if sheet.membrane is not None and len(mold.creases.corners) > 0:
                 start, steps = _eased(grid, mold, start, report)
                 history += steps
-        goal = tolerance if (n, m) == sizes[-1] else max(tolerance, COARSE_TOLERANCE)
-        found = equilibrium(grid, mold, start, goal, report=report)
-        history += found.history
-        if sharp and net and (n, m) != sizes[-1]:  # of several rests beside a sharp edge, the lower one
-            other = equilibrium(grid, mold, start, goal, report=report, leaps=True)
-            history += other.history
-            found = min(found, other, key=lambda one: (not one.converged, one.energy))
-        if not np.isfinite(found.energy):
-            raise BeyondLaw
-        for _ in range(ROUNDS):
-            if found.converged or found.residual_relative > NEARLY:
-                break
-            swung = swing(grid, mold, found.state, goal, SWINGS, report)
-            history += swung.history
-            again = swung if swung.converged else equilibrium(grid, mold, swung.state, goal, report=report)
-            history += [] if again is swung else again.history
-            found = min(found, again, key=lambda one: one.residual_relative)
-        # On the grid asked for a shape that leans may be, where no even one is found.
-        if not found.converged and (n, m) == sizes[-1] and mirrors(grid, mold):
-            free = equilibrium(grid, mold, start, goal, report=report, even_shapes=False, leaps=True)
-            history += free.history
-            found = min(found, free, key=lambda one: one.residual_relative)
-        state = found.state
+            found = _rested(grid, mold, start, goal, last, report)
+            history += found.history
+            passed = _passed(found.state, grid, mold, corners)
+        if passed:
+            found = _rested(grid, mold, _begun(grid, mold), goal, last, report)
+            history += found.history
+            passed = not last and _passed(found.state, grid, mold, corners)
+        state = None if passed else found.state
     found.history = history
     return found

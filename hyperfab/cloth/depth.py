@@ -204,12 +204,16 @@ def _share(start: Array, over: Array, end: Array) -> float:
     return one / max(one + two, 1e-300)
 
 
-def stands_out(x: Array, sheet: Sheet, surface: Surface, shift: Array) -> tuple[float, Array, Array]:
+def vertices(mold: Mold) -> Array:
+    """The mold's vertices (k, 3) mm."""
+    return np.asarray(mold.corners.reshape(-1, 3)[np.unique(mold.vertex, return_index=True)[1]])
+
+
+def stands_out(x: Array, sheet: Sheet, mold: Mold) -> tuple[float, Array, Array]:
     """How far in mm the mold's corners stand out through the net, between its nodes; where, draped and flat.
 
     The net at ``x`` (n, m, 3) mm is taken as triangles, four a cell about its middle (either diagonal alone would
-    tell a mold from its mirror image), its outer side up; ``shift`` puts ``surface`` in its frame. A corner beside the
-    net, nearest to its rim, does not count.
+    tell a mold from its mirror image), its outer side up. A corner beside the net, nearest to its rim, does not count.
     """
     n, m = sheet.n, sheet.m
     number = np.arange(n * m).reshape(n, m)
@@ -219,7 +223,7 @@ def stands_out(x: Array, sheet: Sheet, surface: Surface, shift: Array) -> tuple[
         _with_middles(x),
         np.vstack([np.column_stack([*side, middle]) for side in ((a, b), (b, c), (c, d), (d, a))]),
     )
-    corners = surface.vertices + shift
+    corners = vertices(mold)
     high = corners[corners[:, 2] > x[:, :, 2].min()]
     none = (0.0, np.zeros(3), np.zeros(3))
     if not len(high):

@@ -44,7 +44,7 @@ def test_a_pin_through_a_spring_is_found_wherever_it_stands(offset, share):
     assert found.flat[0] == pytest.approx(-5.0 + 5.0 * share, abs=0.01)
     assert found.draped[0] == pytest.approx(-5.0 + 5.0 * share, abs=0.01)
     assert found.node == 0.0
-    through, top, below = stands_out(x, sheet, surface, np.zeros(3))
+    through, top, below = stands_out(x, sheet, mold_of(surface))
     assert through == pytest.approx(6.0, abs=1e-9)
     assert top[2] == pytest.approx(6.0)
     assert np.allclose(below[:2], top[:2], atol=1e-9)
@@ -54,9 +54,9 @@ def test_a_pin_amid_a_cell_is_seen_standing_through():
     surface = pin(0.25, 6.0, (-2.5, 2.5))
     x, sheet, mold, state = flat_net(surface)
     assert cut(x, sheet, mold, state, *NO_BENDS).edge == 0.0
-    assert stands_out(x, sheet, surface, np.zeros(3))[0] == pytest.approx(6.0, abs=1e-9)
-    assert stands_out(x, sheet, pin(0.25, -0.5, (-2.5, 2.5)), np.zeros(3))[0] == 0.0
-    assert stands_out(x, sheet, pin(0.25, 6.0, (40.0, 0.0)), np.zeros(3))[0] == 0.0  # beside the net
+    assert stands_out(x, sheet, mold_of(surface))[0] == pytest.approx(6.0, abs=1e-9)
+    assert stands_out(x, sheet, mold_of(pin(0.25, -0.5, (-2.5, 2.5))))[0] == 0.0
+    assert stands_out(x, sheet, mold_of(pin(0.25, 6.0, (40.0, 0.0))))[0] == 0.0  # beside the net
 
 
 def test_nodes_and_springs_inside_a_box_are_as_deep_as_they_are():
@@ -131,7 +131,7 @@ def test_how_far_a_mold_stands_out_is_the_same_on_its_mirror_image():
         surface = pin(0.25, 6.0, (side * 2.0, 1.0))
         x, sheet, _, _ = flat_net(surface)
         x = x + np.stack([0 * x[..., 0], 0 * x[..., 0], 0.02 * side * x[..., 0] * x[..., 1]], axis=-1)
-        through, top, below = stands_out(x, sheet, surface, np.zeros(3))
+        through, top, below = stands_out(x, sheet, mold_of(surface))
         said.append([through, side * top[0], top[1], side * below[0], below[1]])
     assert said[1] == pytest.approx(said[0], abs=1e-9)
     assert said[0][0] > 5.0

@@ -140,3 +140,19 @@ def test_the_force_on_a_round_cone_does_not_hang_on_how_it_is_cut_into_facets():
         assert found.state.x[30, 30] == pytest.approx([0.0, 0.0, 45.0], abs=1e-9)
         forces.append(answers(sheet, mold, found).press_force)
     assert np.ptp(forces) < 1e-4 * max(forces)
+
+
+@pytest.mark.parametrize("deep", [12.0, 29.0])
+def test_a_sheet_over_a_hollow_mold_hangs_on_its_rim_as_on_the_top_of_a_solid_one(deep):
+    """The wall is as thick as the spacing; every coarser grid has nodes on both sides of it and none on it."""
+
+    def turned(*profile: tuple[float, float]) -> Surface:
+        mesh = trimesh.creation.revolve(np.array(profile[::-1]), sections=48)
+        return Surface(mesh.vertices, mesh.faces)
+
+    outside = (40.0, 0.0), (40.0, -30.0), (0.0, -30.0)
+    molds = turned((0.0, 0.0), *outside), turned((0.0, -deep), (35.0, -deep), (35.0, 0.0), *outside)
+    sheet, on = Sheet(41, 41, (160.0, 160.0), 1.0, SOFT, SOFT), (0.0, 0.0, 30.0)
+    (solid, one), (hollow, two) = (at_rest(sheet, mold, on) for mold in molds)
+    assert hollow.energy == pytest.approx(solid.energy, rel=1e-9)
+    assert two.press_force == pytest.approx(one.press_force, rel=1e-6)

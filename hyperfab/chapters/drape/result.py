@@ -61,8 +61,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
     left_out = model.absent
     if case.friction > 0.0 and len(state.mold.creases.corners) > 0:
         left_out.append("friction of the threads between nodes where they run over sharp edges")
-    shift = np.array(placed.standing(state.depth))
-    through, top, below = stands_out(found.state.x, sheet, placed.surface, shift)
+    through, top, below = stands_out(found.state.x, sheet, state.mold)
     where = Place(flat=below[:2].tolist(), draped=top.tolist())
     newton = sum(step.iteration > 0 for one in states for step in one.found.history)
     last = dict(_state(sheet, state, loose))
@@ -115,7 +114,7 @@ def document_of(model: Model, states: list[State]) -> DrapeDocument:
             facets=len(placed.surface.faces),
             closed=placed.closed,
             axis=case.axis,
-            shift_mm=[float(v) + 0.0 for v in shift],
+            shift_mm=[float(v) + 0.0 for v in placed.standing(state.depth)],
         ),
     )
     if (not found.converged and state.depth < depths[-1] - 1e-9) or len(states) < len(depths):
