@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import Curving, Drawn, barycentric, creases, curving
@@ -15,6 +16,11 @@ from hyperfab.surface.topology import sides
 #: Edges of facets are no longer than this part of the mold's size: what goes as a parabola from the mold's middle to
 #: its ends is met to 1/400 of its height between the corners.
 _LONGEST = 1.0 / 20.0
+#: ... and no longer than this part of that beneath edges of the other mold, which turn by more than so many degrees
+#: (less is a blend in few facets): there the gap jumps, or something begins to stand out.
+_AT_EDGES, _EDGE_DEG = 1.0 / 16.0, 45.0
+#: ... and from there on no longer than so many times the way to the edge: the nearest gap changes all along it.
+_GRADING = 1.0
 #: A facet is flat where the smooth surface is level with it by so much at a corner [rad]: beside it the surface begins
 #: to curve, and normals on that edge, which are of both sides, are none of the facet.
 _LEVEL = 1e-3
@@ -32,13 +38,16 @@ _CUTS = {
 }
 
 
-def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True) -> tuple[Surface, Drawn | None]:
+def dense(
+    surface: Surface, towards: Array, other: Surface, smooth: bool = True, edges: bool = False
+) -> tuple[Surface, Drawn | None]:
     """Return the same surface with its large facets that look ``towards`` (3,) the ``other`` mold cut, and their
     neighbours where they meet them; new corners are on the ``smooth`` surface. And what its facets are parts of; None
     where none was cut.
 
     Beneath a smaller mold facets are cut to the measure of that: beside its edges the gap goes from one facet to the
-    next by as much as they are long.
+    next by as much as they are long. With ``edges`` they are cut further beneath the sharp edges of the other mold: a
+    rib of it, narrower than they are long, lies between their corners.
 
     >>> from hyperfab.surface import Surface
     >>> square = Surface(
@@ -61,6 +70,18 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
         corners = (vertices @ across)[faces]
         beneath = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
         vertices, faces, of, cut = _cut(vertices, faces, of, looking[of] & beneath, shorter)
+    finest = min(shorter, longest) * _AT_EDGES
+    line = _edges_beneath(other, surface, towards, finest) @ across if edges else np.zeros((0, 3))
+    cut = len(line) > 0
+    while cut:
+        corners = (vertices @ across)[faces]
+        middle = corners.mean(axis=1)
+        reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+        chosen = np.flatnonzero(looking[of] & (np.sqrt(3.0) * reach > finest))
+        away = cKDTree(line).query(middle[chosen])[0] - reach[chosen]
+        at_edge = np.zeros(len(faces), dtype=bool)
+        at_edge[chosen] = np.sqrt(3.0) * reach[chosen] > _GRADING * away
+        vertices, faces, of, cut = _cut(vertices, faces, of, at_edge, finest)
     if len(faces) == len(surface.faces):
         return surface, None
     # Halves of halves, to the last bit: two facets find the same at an edge of theirs.
@@ -71,6 +92,29 @@ def dense(surface: Surface, towards: Array, other: Surface, smooth: bool = True)
     new = np.arange(len(surface.vertices), len(vertices))
     vertices[new] += _straightened(curving(surface, smooth)).off(face[new], vertices[new])
     return Surface(vertices, faces), drawn
+
+
+def _edges_beneath(other: Surface, surface: Surface, towards: Array, apart: float) -> Array:
+    """Return points (k, 3) along the edges of the ``other`` mold where the surface has none of its own beneath: beside
+    those, as where both molds end alike, the gap does not jump within a facet."""
+    line, own = (_edge_points(one, way, apart) for one, way in ((other, towards), (surface, -towards)))
+    if not len(line) or not len(own):
+        return line
+    across = np.eye(3) - np.outer(towards, towards)
+    return np.asarray(line[cKDTree(own @ across).query(line @ across)[0] > apart])
+
+
+def _edge_points(surface: Surface, towards: Array, apart: float) -> Array:
+    """Return points (k, 3) along the sharp edges, outward or inward, of facets that look against ``towards`` (3,), no
+    more than ``apart`` mm from one to the next."""
+    out = np.abs(surface.edge_turn) > np.radians(_EDGE_DEG)
+    face, edge = np.nonzero(out & (surface.normals @ towards < -LOOKING)[:, None])
+    start, end = (surface.vertices[surface.faces[face, (edge + k) % 3]] for k in (0, 1))
+    count = np.ceil(np.linalg.norm(end - start, axis=1) / apart).astype(int) + 1
+    one = np.repeat(np.arange(len(count)), count)
+    step = np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
+    share = (step / np.maximum(count - 1, 1)[one])[:, None]
+    return np.asarray(start[one] + share * (end[one] - start[one]))
 
 
 def _size(surface: Surface) -> float:

@@ -51,7 +51,8 @@ def read_molds(job: Job, case: PressCase) -> tuple[tuple[Shape, Shape], PressFra
     """Read both molds, find how they close, and how far their facets stand off them [mm]. Winding is mended and said;
     what cannot be mended is refused.
 
-    Gaps, temperatures and thicknesses are known at the corners of facets: large ones are cut.
+    Gaps, temperatures and thicknesses are known at the corners of facets: large ones are cut, of the male, from whose
+    corners gaps are measured, further beneath edges of the female.
     """
     one, two = (_read_mold(job, name, case.stl_unit) for name in (case.male, case.female))
     failure: InputError | None = None
@@ -74,8 +75,8 @@ def read_molds(job: Job, case: PressCase) -> tuple[tuple[Shape, Shape], PressFra
             smooth = case.facets == "smooth"
             facing = frame.direction, -frame.direction
             male, female = (
-                dense(surface, towards, other, smooth)
-                for surface, other, towards in zip(surfaces, surfaces[::-1], facing, strict=True)
+                dense(surface, towards, other, smooth, edges)
+                for surface, other, towards, edges in zip(surfaces, surfaces[::-1], facing, (True, False), strict=True)
             )
             off = (_chord_error(one, towards, smooth) for one, towards in zip(surfaces, facing, strict=True))
             return (male, female), frame, sum(off)
