@@ -52,7 +52,7 @@ def test_a_rib_narrower_than_the_facets_beneath_is_felt(tmp_path, monkeypatch, w
     at = 1.3
     ribbed = [[-HALF, 40.0], [HALF, 40.0], [HALF, HIGH]]
     ribbed += [[at + wide / 2, HIGH], [at + wide / 2, 0.0], [at - wide / 2, 0.0], [at - wide / 2, HIGH], [-HALF, HIGH]]
-    document = pressed(tmp_path, monkeypatch, male=plate(), female=prism(np.array(ribbed) + [0.0, 10.0], [at, 20.0]))
+    document = pressed(tmp_path, monkeypatch, male=plate(), female=prism(np.add(ribbed, [0.0, 10.0]), [at, 20.0]))
     # Beside the rib the nearest point is its edge, at d = hypot(gap, s): the pressure E (1 - d/t) leans by gap/d.
     s = np.sqrt(THICK**2 - GAP**2)
     beside = MODULUS / THICK * GAP * (THICK * np.arcsinh(s / GAP) - s)
@@ -67,7 +67,7 @@ def test_a_round_knob_smaller_than_the_facets_beneath_is_felt(tmp_path, monkeypa
     radius, turn = 2.0, np.radians(np.linspace(0.0, 90.0, 11))
     arc = np.stack([radius * np.sin(turn), -radius * np.cos(turn)], axis=1)
     knob = trimesh.creation.revolve(np.vstack([arc, [[90.0, 0.0], [90.0, 30.0], [0.0, 30.0]]]), sections=60)
-    vertices = knob.vertices + [1.3, 2.2, 12.0]
+    vertices = np.add(knob.vertices, [1.3, 2.2, 12.0])
     document = pressed(tmp_path, monkeypatch, male=plate(), female=(vertices, knob.faces))
     # Above it the normal gap is 3 mm and what the ball has risen there: 4.5 mm where it has by 1.5 of its 2 mm.
     across = np.pi * (radius**2 - (radius - (THICK - GAP)) ** 2)
