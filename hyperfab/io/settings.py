@@ -129,8 +129,9 @@ def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
 def sizes(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     """Return the sizes of specimens that rows without readings state, in lines or in a small table.
 
-    >>> list(sizes([(1, ["Operator", "mk"]), (2, ["Specimen width", "50", "mm"])]).items())
-    [('width', [Entry(value='50 mm', line=2, sure=False, axis='')])]
+    >>> found = sizes([(1, ["Operator", "mk"]), (2, ["Specimen width", "50", "mm"])])
+    >>> {name: told[0].value for name, told in found.items()}
+    {'width': '50 mm'}
     """
     return {key: told for key, told in {**tabled(rows), **settings(rows)}.items() if key in SIZES}
 
