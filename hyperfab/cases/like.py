@@ -159,9 +159,11 @@ class _Search:
         if os.path.isfile(first):
             self.changed.append(first)
             return first
-        own = os.path.basename(self.name)
+        own = "the document" if self.name == "-" else os.path.basename(self.name)
+        namesake = next((place for place in others if os.path.isfile(place)), None)
+        another = "" if namesake is None else f", and {os.path.normpath(namesake)} is another one or has changed"
         raise InputError(
-            f"no such file; {self.name} was made from it",
+            f"no such file; {own if self.name == '-' else self.name} was made from it{another}",
             file=first,
             remedy=f"lay it beside {own}, or make {own} again with hf {self.command}",
         )

@@ -212,6 +212,20 @@ def test_inputs_that_moved_are_found_changed_ones_told_and_missing_ones_named(tm
     assert b"no such file" in done.stderr
 
 
+def test_a_namesake_of_an_input_that_is_gone_is_named(tmp_path: Path, hf: Run) -> None:
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests" / "warp.csv").write_text("# test: uniaxial\nstretch,stress [MPa]\n1.1,0.3\n1.2,0.5\n1.4,0.9\n")
+    words = ["fit", "tests/warp.csv", "--model", "neo-hookean", "--accept", "1", "-o", "a.json"]
+    assert hf(*words, cwd=tmp_path).returncode == 0
+    (tmp_path / "tests" / "warp.csv").unlink()
+    (tmp_path / "warp.csv").write_text("another")
+    done = hf("fit", "--like", "a.json", cwd=tmp_path)
+    assert done.returncode == 3
+    assert b"no such file; a.json was made from it, and warp.csv is another one or has changed" in done.stderr
+    done = hf("fit", "--like", "-", cwd=tmp_path, stdin=(tmp_path / "a.json").read_bytes())
+    assert b"the document was made from it" in done.stderr
+
+
 def test_files_that_a_study_names_by_their_place_are_told_where_they_changed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
