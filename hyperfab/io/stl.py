@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from dataclasses import dataclass
 from fractions import Fraction
@@ -99,6 +100,7 @@ def _corners(data: bytes, name: str) -> tuple[NDArray, list[str]]:
     """Return the corners (m, 3, 3) in the file's own precision; the length of the file decides what it is."""
     if not data.strip():
         raise InputError("is empty", remedy="an STL surface is expected")
+    data = data.removeprefix(codecs.BOM_UTF8)
     claimed = int.from_bytes(data[80:84], "little") if len(data) >= _HEADER else -1
     size = _HEADER + 50 * claimed
     text = b"\x00" not in data[:2048]

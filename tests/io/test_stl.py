@@ -55,6 +55,12 @@ def test_text_and_binary_give_the_same_surface(ends: bytes, case: object) -> Non
     assert np.array_equal(found.faces, mesh.faces)
 
 
+def test_a_text_may_begin_with_a_byte_order_mark() -> None:
+    mesh = read_stl(CUBE, "cube.stl")
+    found = read_stl(b"\xef\xbb\xbf" + text(mesh), "cube.stl")
+    assert np.array_equal(found.vertices, mesh.vertices)
+
+
 def test_a_text_of_two_solids_is_one_surface() -> None:
     mesh = read_stl(CUBE, "cube.stl")
     both = read_stl(text(mesh, b"one") + text(mesh, b"facet normal two"), "two.stl")
