@@ -205,7 +205,8 @@ def refuse_grid(rows: Sequence[Row], sought: Sequence[str]) -> None:
     """InputError where readings stand in a grid over the plan, under one coordinate and beside the other."""
     start = next((k for k, (_, cells) in enumerate(rows) if is_data(cells)), len(rows))
     told = [cells for _, cells in rows[start:]]
-    if len(told) < 3 or len(told[0]) < 3 or any(len(cells) != len(told[0]) for cells in told):
+    named = start > 0 and sum(map(bool, rows[start - 1][1])) > 1  # columns have names there
+    if named or len(told) < 3 or len(told[0]) < 3 or any(len(cells) != len(told[0]) for cells in told):
         return
     for along in (told[0][1:], [cells[0] for cells in told[1:]]):
         steps = np.diff(plain_values(along))
