@@ -158,6 +158,10 @@ def office() -> dict[str, bytes]:
             ],
             ";",
         ).encode("latin-1"),
+        "polish": table(
+            "Czas [s];Wydłużenie [mm];Siła [N]", [(k, comma(x), comma(f)) for k, x, f in timed], ";"
+        ).encode("cp1250"),
+        "dutch": table("Tijd (s);Rek (%);Spanning (MPa)", [(k, *row) for k, row in enumerate(german)], ";").encode(),
     }
 
 
@@ -166,12 +170,6 @@ def to_settle() -> dict[str, bytes]:
     strain, force = PERCENT, FORCE
     timed = [(k, comma(x), comma(f)) for k, (x, f) in enumerate(force)]
     return {
-        "polish": table("Czas [s];Wydłużenie [mm];Siła [N]", timed, ";").encode("cp1250"),
-        "dutch": table(
-            "Tijd (s);Rek (%);Spanning (MPa)",
-            [(k, comma(e), comma(s)) for k, (e, s) in enumerate(strain)],
-            ";",
-        ).encode(),
         "finnish": table("Aika (s);Venym\u00e4 (mm);Voima (N)", timed, ";").encode("cp1252"),
         "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
         "czech": table("Čas [s];Prodloužení [mm];Síla [N]", timed, ";").encode(),

@@ -14,7 +14,7 @@ from hyperfab.io import heading_words
 BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
 _GREEK = str.maketrans(
     {"ε": "epsilon", "ϵ": "epsilon", "σ": "sigma", "λ": "lambda", "τ": "tau", "γ": "gamma",
-        "Δ": "delta ", "δ": "delta ", "∆": "delta ", "ı": "i"}
+        "Δ": "delta ", "δ": "delta ", "∆": "delta ", "ı": "i", "ł": "l"}
 )  # fmt: skip
 #: A channel's own name, before or behind what it records: ai0, E1, CH02, Dev1.
 _CHANNEL = re.compile(r"[a-z]{1,4}\d{1,2}")

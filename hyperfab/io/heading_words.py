@@ -1,4 +1,4 @@
-"""What testing machines and offices call their columns and settings, in ten languages.
+"""What testing machines and offices call their columns and settings, in twelve languages.
 
 Words stand as ``hyperfab.io.dictionary.plain`` leaves them: lower case, without accents, punctuation as spaces.
 Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
@@ -12,56 +12,58 @@ COLUMNS: dict[str, str] = {
     "stretch": """stretch; stretch ratio; extension ratio; elongation ratio; draw ratio; principal stretch; nominal
         stretch; lambda; lam; l l0; l/l0; streckung; streckverhaltnis; dehnungsverhaltnis; verstreckgrad; f11;
         alargamiento relativo lambda; taux d elongation; rapporto di estensione; axial stretch""",
-    "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain; axial strain;
-        longitudinal strain; strain reading; elong; epsilon; eps; e; major strain; dehnung; standarddehnung;
-        nenndehnung; feindehnung;
-        verformung; technische dehnung; nominelle dehnung; zugdehnung; axialdehnung; langsdehnung; langsdehnung
-        technisch; deformacion; deformacion unitaria; deformacion por traccion; deformacion de traccion; deformacion
-        nominal; deformacion ingenieril; deform; deformation; deformation nominale; deformation axiale; deformation en
-        traction; deformation longitudinale; deformation rationnelle; deformazione; deformazione a trazione;
+    "strain": """strain; engineering strain; nominal strain; technical strain; eng strain; tensile strain;
+        axial strain; longitudinal strain; strain reading; elong; epsilon; eps; e; major strain; dehnung;
+        standarddehnung; nenndehnung; feindehnung; verformung; technische dehnung; nominelle dehnung; zugdehnung;
+        axialdehnung; langsdehnung; langsdehnung technisch; deformacion; deformacion unitaria;
+        deformacion por traccion; deformacion de traccion; deformacion nominal; deformacion ingenieril; deform;
+        deformation; deformation nominale; deformation axiale; deformation en traction;
+        deformation longitudinale; deformation rationnelle; deformazione; deformazione a trazione;
         deformazione nominale; deformazione ingegneristica; deformacao; deformacao de tracao; deformacao nominal;
         deformacao de engenharia; deformacao axial; elongation; tensile elongation; elongacion; elongacao;
-        alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ; 歪み;
-        歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ;
-        ave; ave 1; ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение;
-        birim sekil degistirme; birim uzama; gerinim; sekil degistirme; 拉伸率; 断裂伸长率""",
-    "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement; axial
-        displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel; crosshead;
-        stroke; travel; actuator displacement; grip displacement; machine extension; extension from preload;
-        preload extension; distance; weg; standardweg; verlangerung; standardverlangerung; langenanderung;
-        traversenweg; kolbenweg; hub; prufweg; maschinenweg; dehnweg; wegaufnehmer; extensometer; video extensometer;
-        delta l; dl; delta
-        length; u; ux; uy; desplazamiento; desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del
-        travesano; recorrido; carrera; deplacement; deplacement de la traverse; deplacement traverse; deplacement de
-        traverse; deplacement du mors; course; course standard; course traverse; spostamento;
-        spostamento traversa; spostamento della
-        traversa; corsa; estensione; deslocamento; deslocamento do travessao; deslocamento travessao; deslocamento
-        da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形; 伸长; 拉伸位移; 横梁位移; ave; ave 1;
-        ave 2; ave1; ave2; перемещение; удлинение; ход;
-        uzama; deplasman; yer degistirme; allong; 伸长量; 延伸""",
+        alargamiento; allongement; allungamento; alongamento; gl dehnung; distancia recorrida relativa; ひずみ;
+        歪み; 歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1;
+        ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение; birim sekil degistirme;
+        birim uzama; gerinim; sekil degistirme; 拉伸率; 断裂伸长率; rek; technische rek; vervorming;
+        odksztalcenie; odksztalcenie nominalne; odksztalcenie inzynierskie; wydluzenie wzgledne""",
+    "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement;
+        axial displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel;
+        crosshead; stroke; travel; actuator displacement; grip displacement; machine extension;
+        extension from preload; preload extension; distance; weg; standardweg; verlangerung;
+        standardverlangerung; langenanderung; traversenweg; kolbenweg; hub; prufweg; maschinenweg; dehnweg;
+        wegaufnehmer; extensometer; video extensometer; delta l; dl; delta length; u; ux; uy; desplazamiento;
+        desplazamiento de la cruceta; desplazamiento cruceta; desplazamiento del travesano; recorrido; carrera;
+        deplacement; deplacement de la traverse; deplacement traverse; deplacement de traverse;
+        deplacement du mors; course; course standard; course traverse; spostamento; spostamento traversa;
+        spostamento della traversa; corsa; estensione; deslocamento; deslocamento do travessao;
+        deslocamento travessao; deslocamento da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形;
+        伸长; 拉伸位移; 横梁位移; ave; ave 1; ave 2; ave1; ave2; перемещение; удлинение; ход; uzama; deplasman;
+        yer degistirme; allong; 伸长量; 延伸; verlenging; verplaatsing; traverseweg; wydluzenie; przemieszczenie;
+        przemieszczenie trawersy; droga; przyrost dlugosci""",
     "position": """position; crosshead position; crosshead absolute; traverse absolue;
         traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
         traverse; posizione; posizione traversa; posicao""",
-    "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento; spalt;
-        measuring gap; specimen length; grip distance; entrefer; l; size""",
-    "force": """force; load; f; shear force; scherkraft; schubkraft; fuerza de corte; force de cisaillement; forza di
-        taglio; tensile force; tensile load; standard force; test force; axial force; axial load; load
-        cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft; zugkraft;
-        last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort; force de traction; force
-        standard; charge; forza; forza di trazione; forza standard; carico; carico di trazione; forca; forca de
-        tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力; 载荷; 负荷; 拉力; 拉伸载荷; 引張荷重;
-        нагрузка; усилие; сила;
-        kuvvet; cekme kuvveti; yuk; 拉伸力""",
-    "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress; axial stress;
-        sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung; nennspannung;
-        zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo; esfuerzo de traccion;
-        esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension; tension nominal; tension de traccion;
-        contrainte; contrainte nominale; contrainte de traction; contrainte en traction; contrainte axiale; sforzo;
-        sforzo nominale; sforzo di trazione; tensione; tensione nominale; sollecitazione; tensao; tensao nominal;
-        tensao de tracao; tensao de engenharia; 応力; 应力; 拉伸应力; 工程应力; 引張応力; 公称応力; напряжение;
-        gl spannung;
-        gerilme; cekme gerilmesi; muhendislik gerilmesi""",
+    "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento;
+        spalt; measuring gap; specimen length; grip distance; entrefer; l; size; lengte; dlugosc""",
+    "force": """force; load; f; shear force; scherkraft; schubkraft; fuerza de corte; force de cisaillement;
+        forza di taglio; tensile force; tensile load; standard force; test force; axial force; axial load;
+        load cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft;
+        zugkraft; last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort;
+        force de traction; force standard; charge; forza; forza di trazione; forza standard; carico;
+        carico di trazione; forca; forca de tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力;
+        载荷; 负荷; 拉力; 拉伸载荷; 引張荷重; нагрузка; усилие; сила; kuvvet; cekme kuvveti; yuk; 拉伸力; kracht;
+        trekkracht; belasting; sila; sila rozciagajaca; obciazenie""",
+    "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress;
+        axial stress; sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung;
+        nennspannung; zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo;
+        esfuerzo de traccion; esfuerzo nominal; esfuerzo por traccion; esfuerzo ingenieril; tension;
+        tension nominal; tension de traccion; contrainte; contrainte nominale; contrainte de traction;
+        contrainte en traction; contrainte axiale; sforzo; sforzo nominale; sforzo di trazione; tensione;
+        tensione nominale; sollecitazione; tensao; tensao nominal; tensao de tracao; tensao de engenharia; 応力;
+        应力; 拉伸应力; 工程应力; 引張応力; 公称応力; напряжение; gl spannung; gerilme; cekme gerilmesi;
+        muhendislik gerilmesi; spanning; trekspanning; technische spanning; naprezenie; naprezenie rozciagajace;
+        naprezenie nominalne""",
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
         verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
         vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma; 真应力; 真实应力; 真応力""",
@@ -87,46 +89,45 @@ COLUMNS: dict[str, str] = {
         cisaillement; sforzo di taglio; tensione di taglio; tensao de cisalhamento; tensao cisalhante""",
     "stress sd": """stress sd; stress std; sd stress; std stress; stress stdev; standard deviation of stress; spannung
         sd; membrane stress sd""",
-    "time": """time; t; elapsed; elapsed time; test time; total time; running time; run time; time stamp; timestamp;
-        step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo; tiempo de ensayo; tiempo
-        transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova; tempo trascorso; tempo de
-        ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время;
-        sure; zaman; gecen sure""",
+    "time": """time; t; elapsed; elapsed time; test time; total time; running time; run time; time stamp;
+        timestamp; step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo;
+        tiempo de ensayo; tiempo transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova;
+        tempo trascorso; tempo de ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время; sure; zaman;
+        gecen sure; tijd; testtijd; czas; czas badania""",
     "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
         pruftemperatur; probentemperatur; temperatura; temperatura de ensayo; temperatura de la probeta;
         temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; 试验温度;
-        测试温度; температура; t c;
-        sicaklik; numune sicakligi""",
+        测试温度; температура; t c; sicaklik; numune sicakligi; temperatuur; proeftemperatuur;
+        temperatura badania; temperatura probki""",
     "chamber": """chamber temperature; oven temperature; chamber temp; ambient temperature; room temperature;
         kammertemperatur; raumtemperatur; umgebungstemperatur; temperatura ambiente; temperatura de la camara;
         temperature ambiante; temperature enceinte; temperatura ambiente interna; temperatura da camara; t
         chamber""",
-    "rate": """rate; strain rate; vel; velocity; speed; test speed; testing speed; crosshead speed; stretch rate; pull
-        speed; rate 1; dehnrate; dehngeschwindigkeit; prufgeschwindigkeit; geschwindigkeit;
-        abzugsgeschwindigkeit; velocidad; velocidad de ensayo; velocidad de deformacion; vitesse; vitesse d
-        essai; vitesse de deformation; velocita; velocita di prova; velocita di deformazione; velocidade;
-        velocidade de ensaio; taxa de deformacao; скорость""",
-    "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles; cycle index;
-        zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo; ciclos;
-        numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo; numero do
-        ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл;
-        cevrim; dongu""",
+    "rate": """rate; strain rate; vel; velocity; speed; test speed; testing speed; crosshead speed; stretch rate;
+        pull speed; rate 1; dehnrate; dehngeschwindigkeit; prufgeschwindigkeit; geschwindigkeit;
+        abzugsgeschwindigkeit; velocidad; velocidad de ensayo; velocidad de deformacion; vitesse;
+        vitesse d essai; vitesse de deformation; velocita; velocita di prova; velocita di deformazione;
+        velocidade; velocidade de ensaio; taxa de deformacao; скорость; snelheid; proefsnelheid; reksnelheid;
+        predkosc; predkosc badania""",
+    "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles;
+        cycle index; zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo;
+        ciclos; numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo;
+        numero do ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл; cevrim; dongu;
+        cyclus; cykl; nr cyklu""",
     "branch": """branch; loading direction; load branch; ast; be entlastung; belastungsast; rama; branche;
         ramo; hin ruck""",
     "direction": """direction; fabric direction; specimen direction; sample direction; test direction;
-        material direction;
-        orientation; cut direction; richtung; probenrichtung; prufrichtung; materialrichtung; entnahmerichtung;
-        direccion; direccion del tejido; sens; sens du tissu; orientacion; direzione; direzione del tessuto;
-        direcao; direcao do tecido;
-        yon; numune yonu; 方向; 试样方向""",
+        material direction; orientation; cut direction; richtung; probenrichtung; prufrichtung; materialrichtung;
+        entnahmerichtung; direccion; direccion del tejido; sens; sens du tissu; orientacion; direzione;
+        direzione del tessuto; direcao; direcao do tecido; yon; numune yonu; 方向; 试样方向; richting;
+        proefrichting; kierunek; kierunek badania""",
     "specimen": """specimen; sample; specimen no; specimen nr; specimen number; specimen id; specimen name;
-        specimen label;
-        sample no; sample id; sample name; sample number; test piece; replicate; test no; test number; specimen
-        identifier; probe; probe nr; proben nr; probennummer; proben id; probenbezeichnung; probekorper;
-        prufling; prufkorper; probeta; probeta n; probeta no; numero de probeta; muestra; muestra n;
+        specimen label; sample no; sample id; sample name; sample number; test piece; replicate; test no;
+        test number; specimen identifier; probe; probe nr; proben nr; probennummer; proben id; probenbezeichnung;
+        probekorper; prufling; prufkorper; probeta; probeta n; probeta no; numero de probeta; muestra; muestra n;
         identificacion de la probeta; eprouvette; eprouvette n; numero d eprouvette; echantillon; provino;
-        provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp;
-        numune; numune no; 试样; 试样编号; 試験片""",
+        provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp; numune; numune no;
+        试样; 试样编号; 試験片; proefstuk; monster; probka; nr probki; numer probki""",
     "test": "test; test kind; test mode; deformation mode; mode",
 }
 #: Titles that are a unit and say by it that they are the time; LabVIEW's ``X_Value`` counts seconds.
@@ -178,19 +179,20 @@ PRESSURES = """pressure; hydrostatic pressure; mean pressure; druck; hydrostatis
     pressao hidrostatica"""
 #: Columns of a pushed sheet, of a press and of a mold, for which no test of a fabric is asked.
 READINGS: dict[str, str] = {
-    "depth": """penetration; penetration depth; indentation depth; indentation; deflection; ball displacement; ball
-        travel; punch displacement; punch travel; plunger displacement; plunger travel; durchbiegung; stempelweg;
-        kugelweg; tiefe; eindringtiefe; eindrucktiefe; profondeur;
-        profondeur de penetration; enfoncement; profundidad; profundidad de penetracion; profondita; profondita di
-        penetrazione; profundidade; profundidade de penetracao;
-        derinlik; 深度; 压入深度; 押込み深さ; 押し込み深さ""",
+    "depth": """penetration; penetration depth; indentation depth; indentation; deflection; ball displacement;
+        ball travel; punch displacement; punch travel; plunger displacement; plunger travel; durchbiegung;
+        stempelweg; kugelweg; tiefe; eindringtiefe; eindrucktiefe; profondeur; profondeur de penetration;
+        enfoncement; profundidad; profundidad de penetracion; profondita; profondita di penetrazione;
+        profundidade; profundidade de penetracao; derinlik; 深度; 压入深度; 押込み深さ; 押し込み深さ; diepte;
+        indrukdiepte; glebokosc; zaglebienie""",
     "stroke": """press stroke; hub; hubweg; pressenhub; schliessweg; course; carrera; corsa; curso;
         strok; 行程""",
-    "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression; pression de contact;
-        presion; presion de contacto; pressione; pressione di contatto; pressao; pressao de contato;
-        basinc; 压力; 面圧""",
-    "power": """heater power; heating power; total power; wattage; leistung; heizleistung; gesamtleistung; puissance;
-        puissance de chauffe; potencia; potenza; guc; 功率; 電力; 加热功率""",
+    "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression;
+        pression de contact; presion; presion de contacto; pressione; pressione di contatto; pressao;
+        pressao de contato; basinc; 压力; 面圧; druk; contactdruk; nacisk; cisnienie""",
+    "power": """heater power; heating power; total power; wattage; leistung; heizleistung; gesamtleistung;
+        puissance; puissance de chauffe; potencia; potenza; guc; 功率; 電力; 加热功率; vermogen; moc;
+        moc grzewcza""",
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
     "contact": "kontakt; contacto; contatto; contato",
@@ -253,37 +255,36 @@ MEASURES: dict[str, dict[str, str]] = {
 
 #: Settings that stand above a table.
 SETTINGS: dict[str, str] = {
-    "width": """width; specimen width; sample width; strip width; arm width; initial width; breite;
-        probenbreite; streifenbreite;
-        anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta; ancho de probeta;
-        ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale; larghezza;
-        larghezza provino; larghezza del provino; larghezza iniziale; largura; largura do corpo de prova; largura
-        inicial; 幅; 宽度; ширина;
-        genislik; numune genisligi; 试样宽度; 样品宽度; 試験片幅""",
-    "thickness": """thickness; specimen thickness; sample thickness; initial thickness; fabric thickness;
-        dicke; probendicke;
-        anfangsdicke; warendicke; stoffdicke; probendicke a0; a0; h0; espesor; espesor de la probeta; espesor de
-        probeta; espesor inicial; epaisseur; epaisseur de l eprouvette; epaisseur eprouvette; epaisseur initiale;
-        spessore; spessore provino; spessore del provino; spessore iniziale; espessura; espessura do corpo de
-        prova; espessura inicial; 厚さ; 厚み; 厚度; толщина;
-        kalinlik; numune kalinligi; 试样厚度; 样品厚度; 試験片厚さ""",
+    "width": """width; specimen width; sample width; strip width; arm width; initial width; breite; probenbreite;
+        streifenbreite; anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta;
+        ancho de probeta; ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale;
+        larghezza; larghezza provino; larghezza del provino; larghezza iniziale; largura;
+        largura do corpo de prova; largura inicial; 幅; 宽度; ширина; genislik; numune genisligi; 试样宽度;
+        样品宽度; 試験片幅; breedte; proefstukbreedte; szerokosc; szerokosc probki""",
+    "thickness": """thickness; specimen thickness; sample thickness; initial thickness; fabric thickness; dicke;
+        probendicke; anfangsdicke; warendicke; stoffdicke; probendicke a0; a0; h0; espesor;
+        espesor de la probeta; espesor de probeta; espesor inicial; epaisseur; epaisseur de l eprouvette;
+        epaisseur eprouvette; epaisseur initiale; spessore; spessore provino; spessore del provino;
+        spessore iniziale; espessura; espessura do corpo de prova; espessura inicial; 厚さ; 厚み; 厚度; толщина;
+        kalinlik; numune kalinligi; 试样厚度; 样品厚度; 試験片厚さ; dikte; proefstukdikte; grubosc;
+        grubosc probki""",
     "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
         gauge length standard travel; gage length standard travel; messlange standardweg; l0 standardweg;
-        l0 course standard; longueur de mesure course standard;
-        initial gauge length; initial specimen length; initial length; original length; original gauge length;
-        nominal gauge length; tensile strain gauge length; compressive strain gauge length;
-        specimen gauge length; l0; lo; l 0; free length; messlange; anfangsmesslange; anfangslange; bezugslange;
-        ausgangslange; longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de
-        medida; longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
-        base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile; base di
-        misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida; 標点距離;
-        ゲージ長さ; 标距; база; начальная длина;
-        olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk; 原始标距; 初始标距; 初始长度; 標線間距離; 標線距離;
-        bench mark distance; benchmark distance; distance between bench marks; distance between marks; markenabstand;
-        messmarkenabstand; abstand der messmarken; longueur entre reperes; longueur initiale entre reperes; distance
-        entre reperes; distancia entre marcas; longitud entre marcas; longitud inicial entre marcas; distanza tra i
-        riferimenti; distanza tra le marche; lunghezza iniziale tra i riferimenti; distancia entre marcas de
-        referencia""",
+        l0 course standard; longueur de mesure course standard; initial gauge length; initial specimen length;
+        initial length; original length; original gauge length; nominal gauge length;
+        tensile strain gauge length; compressive strain gauge length; specimen gauge length; l0; lo; l 0;
+        free length; messlange; anfangsmesslange; anfangslange; bezugslange; ausgangslange;
+        longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de medida;
+        longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
+        base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile;
+        base di misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida;
+        標点距離; ゲージ長さ; 标距; база; начальная длина; olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk;
+        原始标距; 初始标距; 初始长度; 標線間距離; 標線距離; bench mark distance; benchmark distance;
+        distance between bench marks; distance between marks; markenabstand; messmarkenabstand;
+        abstand der messmarken; longueur entre reperes; longueur initiale entre reperes; distance entre reperes;
+        distancia entre marcas; longitud entre marcas; longitud inicial entre marcas; distanza tra i riferimenti;
+        distanza tra le marche; lunghezza iniziale tra i riferimenti; distancia entre marcas de referencia;
+        meetlengte; beginlengte; dlugosc pomiarowa; dlugosc poczatkowa; baza pomiarowa""",
     "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
         extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
         longitud de referencia extensometro; longueur de reference extensometre""",
@@ -292,32 +293,34 @@ SETTINGS: dict[str, str] = {
         langenanderungsaufnehmer; extensometro; extensometre; estensometro; medida de la deformacion;
         mesure de la deformation; misura della deformazione""",
     "grip distance": """grip distance; test length; jaw span; distance between jaws; distance between clamps;
-        distance between grips; initial distance between grips; initial distance between jaws; initial jaw separation;
-        length between grips; length between jaws; clamp separation; free clamping length; nip distance; pruflange;
-        longueur d epreuve; distanza iniziale tra i morsetti; distanza iniziale tra le pinze; grip separation;
-        grip to grip separation;
-        grip to grip separation at the start position;
-        jaw separation; jaw distance; clamp distance; clamping length; clamping distance; initial grip
-        separation; einspannlange; klemmlange; freie einspannlange; einspannlange bei startposition;
-        einspannlange le; le; spannlange; distancia entre mordazas; separacion de mordazas; separacion entre
-        mordazas; longitud entre mordazas; distance entre mors; ecartement des mors; longueur entre mors;
-        longueur de serrage; distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre
-        garras; distancia entre as garras; つかみ間隔; チャック間距離; 夹距;
-        ceneler arasi mesafe; cene mesafesi; 夹持距离; 夹具间距; 夹持长度; 隔距""",
-    "specimen length": """specimen length; sample length; length; overall length; total length; probenlange; lange;
-        gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette; longueur
-        eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino; lunghezza totale;
-        comprimento; comprimento do corpo de prova; comprimento total""",
+        distance between grips; initial distance between grips; initial distance between jaws;
+        initial jaw separation; length between grips; length between jaws; clamp separation;
+        free clamping length; nip distance; pruflange; longueur d epreuve; distanza iniziale tra i morsetti;
+        distanza iniziale tra le pinze; grip separation; grip to grip separation;
+        grip to grip separation at the start position; jaw separation; jaw distance; clamp distance;
+        clamping length; clamping distance; initial grip separation; einspannlange; klemmlange;
+        freie einspannlange; einspannlange bei startposition; einspannlange le; le; spannlange;
+        distancia entre mordazas; separacion de mordazas; separacion entre mordazas; longitud entre mordazas;
+        distance entre mors; ecartement des mors; longueur entre mors; longueur de serrage;
+        distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre garras;
+        distancia entre as garras; つかみ間隔; チャック間距離; 夹距; ceneler arasi mesafe; cene mesafesi;
+        夹持距离; 夹具间距; 夹持长度; 隔距; inspanlengte; klemafstand; klemlengte; dlugosc mocowania;
+        rozstaw szczek; odleglosc miedzy szczekami""",
+    "specimen length": """specimen length; sample length; length; overall length; total length; probenlange;
+        lange; gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette;
+        longueur eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino;
+        lunghezza totale; comprimento; comprimento do corpo de prova; comprimento total; proefstuklengte;
+        dlugosc probki; dlugosc calkowita""",
     "height": """height; specimen height; sample height; initial height; hohe; probenhohe; anfangshohe; altura;
         altura de la probeta; hauteur; hauteur de l eprouvette; altezza; altezza del provino""",
-    "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro; diametro de la probeta;
-        diametre; diametre de l eprouvette; 直径; диаметр""",
+    "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro;
+        diametro de la probeta; diametre; diametre de l eprouvette; 直径; диаметр; srednica""",
     "area": """area; specimen area; sample area; cross section; specimen cross section;
-        specimen cross sectional area; sample cross section; cross sectional area; cross section area; initial area;
-        s0; querschnitt;
-        querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion; area de la seccion; area inicial;
-        seccion transversal; section; section initiale; aire; sezione; area iniziale; secao; secao transversal;
-        断面積; площадь""",
+        specimen cross sectional area; sample cross section; cross sectional area; cross section area;
+        initial area; s0; querschnitt; querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion;
+        area de la seccion; area inicial; seccion transversal; section; section initiale; aire; sezione;
+        area iniziale; secao; secao transversal; 断面積; площадь; doorsnede; przekroj; pole przekroju;
+        pole przekroju poprzecznego""",
     "rate": COLUMNS["rate"],
     "temperature": COLUMNS["temperature"] + "; " + COLUMNS["chamber"],
     "direction": COLUMNS["direction"],
@@ -349,31 +352,28 @@ TESTS: dict[str, str] = {
     "confined-compression": "confined compression; oedometer; oedometric; eingespannte stauchung",
     "volumetric": "volumetric; volumetric compression; hydrostatic; volumetrisch; volumetrico; volumetrique",
     "compression": """compression; compressive; uniaxial compression; compression test; druckversuch; druck;
-        druckprufung;
-        stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩; 压缩试验; 圧縮;
-        圧縮試験; сжатие;
-        basma testi; basma deneyi""",
-    "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip; strip test; strip
-        method; bias extension; bias tension;
-        zugversuch; zug; zugprufung; streifenzugversuch; streifenzug; traccion; ensayo de traccion; essai de
-        traction; traction; trazione; prova di trazione; tracao; ensaio de tracao; strip tensile; iso 13934 1; iso
-        37; astm d412; iso 527; astm d5035; iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验;
-        単軸引張; 引張; 引張試験; растяжение;
-        cekme testi; cekme deneyi; cekme""",
+        druckprufung; stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩;
+        压缩试验; 圧縮; 圧縮試験; сжатие; basma testi; basma deneyi; drukproef; sciskanie; proba sciskania""",
+    "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip;
+        strip test; strip method; bias extension; bias tension; zugversuch; zug; zugprufung; streifenzugversuch;
+        streifenzug; traccion; ensayo de traccion; essai de traction; traction; trazione; prova di trazione;
+        tracao; ensaio de tracao; strip tensile; iso 13934 1; iso 37; astm d412; iso 527; astm d5035;
+        iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验; 単軸引張; 引張; 引張試験; растяжение;
+        cekme testi; cekme deneyi; cekme; trekproef; rozciaganie; proba rozciagania""",
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
         longitudinal direction; rd; rolling direction; laufrichtung; produktionsrichtung; maschinenrichtung;
         sens machine; direccion de maquina; direzione macchina; walzrichtung; calendering; calender direction;
-        calendering direction; kette;
-        kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen; langs; langsrichtung; urdimbre;
-        columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
-        cozgu; cozgu yonu; 经向; 経; たて; 经""",
+        calendering direction; kette; kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen;
+        langs; langsrichtung; urdimbre; columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
+        cozgu; cozgu yonu; 经向; 経; たて; 经; ketting; kettingrichting; schering; osnowa; kierunek osnowy;
+        wzdluz osnowy""",
     "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
-        td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung; reihenrichtung;
-        maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame; sens travers; rangee;
-        fila;
-        atki; atki yonu; 纬向; 緯; よこ; 纬""",
+        td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung;
+        reihenrichtung; maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame;
+        sens travers; rangee; fila; atki; atki yonu; 纬向; 緯; よこ; 纬; inslag; inslagrichting; watek;
+        kierunek watku; wzdluz watku""",
     "bias": """bias; bias extension; bias tension; bias direction; bias cut; bias strip; diagonal; diagonal direction;
         schrag; schragrichtung; diagonalrichtung; biais; sens biais; sesgo; al sesgo; sbieco; vies""",
 }

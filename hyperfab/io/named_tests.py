@@ -16,12 +16,12 @@ _PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")
 _ENDS = frozenset(
     ["test", "tests", "testing", "versuch", "versuche", "prufung", "method", "methode", "testi", "deneyi"]
 )
-_BEGINS = frozenset(["test", "tests", "ensayo", "essai", "prova", "ensaio"])
+_BEGINS = frozenset(["test", "tests", "ensayo", "essai", "prova", "ensaio", "proba"])
 _LINKS = frozenset(["de", "di", "do", "da", "a", "en", "in", "of"])
 #: Words that join kinds: Zug- und Druckversuch.
 _JOINS = frozenset(["and", "und", "et", "y", "e", "or", "oder", "ou", "o"])
 #: Phrases that say by themselves that they are of a test: Zugversuch, ISO 13934-1.
-_OF_A_TEST = re.compile(r".*(?:versuche?|prufung)|(?:iso|astm|en|msaj)\b.*")
+_OF_A_TEST = re.compile(r".*(?:versuche?|prufung|proef)|(?:iso|astm|en|msaj)\b.*")
 
 
 @dataclass(frozen=True)

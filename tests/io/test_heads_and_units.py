@@ -395,6 +395,23 @@ def test_turkish_heads_and_sizes_are_read_in_their_code_page(page: str) -> None:
     assert found.stress[1] == pytest.approx(2 * N)
 
 
+POLISH = (
+    "Próba rozciągania;PN-EN ISO 13934-1\nSzerokość próbki;50;mm\nGrubość;0,8;mm\nDługość pomiarowa;100;mm\n"
+    "Kierunek;wątek\nCzas [s];Wydłużenie [mm];Siła [N]\n"
+)
+DUTCH = (
+    "Trekproef;NEN-EN ISO 13934-1\nBreedte;50;mm\nDikte;0,8;mm\nMeetlengte;100;mm\nRichting;inslag\n"
+    "Tijd [s];Verlenging [mm];Kracht [N]\n"
+)
+
+
+@pytest.mark.parametrize(("page", "above"), [("utf-8", POLISH), ("cp1250", POLISH), ("cp1252", DUTCH)])
+def test_polish_and_dutch_heads_and_sizes_are_read(page: str, above: str) -> None:
+    [found] = read_tests(f"{above}0,0;0,0;0,0\n1,0;10,0;2,0\n".encode(page), "a.csv")
+    assert (found.direction, found.stretch[1]) == (90.0, 1.1)
+    assert found.stress[1] == pytest.approx(2 * N)
+
+
 def test_chinese_sizes_are_read() -> None:
     sizes = "\u8bd5\u6837\u5bbd\u5ea6,50,mm\n\u8bd5\u6837\u539a\u5ea6,0.8,mm\n\u539f\u59cb\u6807\u8ddd,100,mm\n"
     heads = "\u65b9\u5411,\u7eac\u5411\n\u65f6\u95f4(s),\u4f4d\u79fb(mm),\u529b(N)\n"
