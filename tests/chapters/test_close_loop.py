@@ -127,7 +127,7 @@ def test_extended_model_leaves_nothing_to_find(hf: Run, tmp_path: Path) -> None:
     assert found["effects"] == []
 
 
-@pytest.mark.parametrize("C10", [0.1, -0.1])
+@pytest.mark.parametrize("C10", [0.1, pytest.param(-0.1, marks=pytest.mark.slow)])
 def test_model_without_stiffness_at_rest_is_refitted(hf: Run, tmp_path: Path, C10: float) -> None:
     """One noisy test may give such constants; the loop begins there, and ends where a material can be."""
     steps = [1.0 + 0.015 * i for i in range(41)]
@@ -236,7 +236,9 @@ def test_file_the_model_was_fitted_to_is_the_test_it_was_given_as(hf: Run, tmp_p
         assert done.returncode == 0, done.stderr.decode()
 
 
-@pytest.mark.parametrize("knit", ["knit-glove-garter", "knit-acrylic-stockinette"])
+@pytest.mark.parametrize(
+    "knit", ["knit-glove-garter", pytest.param("knit-acrylic-stockinette", marks=pytest.mark.slow)]
+)
 def test_knits_differ_in_their_two_directions(hf: Run, tmp_path: Path, data_dir: Path, knit: str) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))
     files = [data_dir / knit / f"uniaxial-{way}.csv" for way in ("warp", "weft")]

@@ -652,7 +652,7 @@ def test_a_place_that_belongs_elsewhere_is_refused_with_the_right_form(tmp_path,
         heat(tmp_path, PLATE.split("box =")[0] + line + "\n" + HEATER + FILM + PROBE + RUN)
 
 
-@pytest.mark.parametrize("fineness", [2, 4])
+@pytest.mark.parametrize("fineness", [2, pytest.param(4, marks=pytest.mark.slow)])
 def test_a_cavity_may_be_an_stl(tmp_path, fineness):
     import trimesh
 

@@ -113,7 +113,7 @@ def test_sizes_of_a_sheared_layer_are_asked_for(hf: Run, tmp_path: Path, head: s
 
 
 def test_a_stress_that_no_shear_has_is_told_with_those_it_has(hf: Run, tmp_path: Path) -> None:
-    (tmp_path / "s.csv").write_text("# test: simple shear\nshear strain,membrane stress [N/mm]\n0,0\n1,5\n2,9\n")
+    (tmp_path / "s.csv").write_text("# test: simple shear\nshear strain,true stress [MPa]\n0,0\n1,5\n2,9\n")
     done = hf("fit", "s.csv", "--model", "neo-hookean", cwd=tmp_path)
     assert done.returncode == 3
     assert 'name one "shear stress [MPa]" or "force [N]"' in done.stderr.decode()

@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Any:
 @pytest.mark.parametrize(
     "words",
     [
-        ("--gap", "3mm +- 0.1mm", "--temperature", "200 degC +- 5 K"),
+        pytest.param(("--gap", "3mm +- 0.1mm", "--temperature", "200 degC +- 5 K"), marks=pytest.mark.slow),
         pytest.param(("--force", "60N +- 3N", "--float"), marks=pytest.mark.slow),
         ("--gap", "3mm", "--tilt", "0.1deg +- 0.03deg,0deg", "--frame-stiffness", "500N/mm +- 10 %"),
     ],

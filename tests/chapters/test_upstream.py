@@ -116,6 +116,7 @@ def test_only_a_press_or_a_drape_is_traced(hf: Run, traced: tuple[Path, dict[str
     assert "--upstream is for a press or a drape document, and the model is a material" in done.stderr.decode()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffer", [0.8, 1.3])
 def test_a_force_over_stroke_is_traced(hf: Run, traced: tuple[Path, dict[str, Any]], stiffer: float) -> None:
     """Forces of a press whose foam is stiffer, or less so, than its document says, 1 % off; the frame yields."""

@@ -142,7 +142,7 @@ def test_the_force_on_a_round_cone_does_not_hang_on_how_it_is_cut_into_facets():
     assert np.ptp(forces) < 1e-4 * max(forces)
 
 
-@pytest.mark.parametrize("deep", [12.0, 29.0])
+@pytest.mark.parametrize("deep", [pytest.param(12.0, marks=pytest.mark.slow), 29.0])
 def test_a_sheet_over_a_hollow_mold_hangs_on_its_rim_as_on_the_top_of_a_solid_one(deep):
     """The wall is as thick as the spacing; every coarser grid has nodes on both sides of it and none on it."""
 

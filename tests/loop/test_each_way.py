@@ -200,6 +200,7 @@ def test_a_contraction_that_was_read_has_a_law_no_formula_quite_is(document: Mat
     assert pose(document, "knit.json", Measured(alone, "MPa")).inexact == {"elastic-law"}
 
 
+@pytest.mark.slow
 def test_loops_that_lock_at_another_strain_each_way_are_a_law(document: MaterialDocument) -> None:
     """Grips that give may bend each direction as its own law would: they are never named alone."""
     found = close(posed(document, 0.013, 0.005), design=False)

@@ -77,8 +77,16 @@ def test_play_is_taken_up_before_the_spring() -> None:
     assert opens[2:] == pytest.approx([0.3, 0.4], rel=1e-6)
 
 
-@pytest.mark.parametrize("deeper", [0.0, 4.0])
-@pytest.mark.parametrize("frame", [Frame(2e-4), Frame(2e-4, 0.05, 1.0), Frame(0.0, 0.3, 40.0), Frame(5e-3, 0.4, 0.2)])
+@pytest.mark.parametrize("deeper", [pytest.param(0.0, marks=pytest.mark.slow), 4.0])
+@pytest.mark.parametrize(
+    "frame",
+    [
+        pytest.param(Frame(2e-4), marks=pytest.mark.slow),
+        Frame(2e-4, 0.05, 1.0),
+        pytest.param(Frame(0.0, 0.3, 40.0), marks=pytest.mark.slow),
+        Frame(5e-3, 0.4, 0.2),
+    ],
+)
 def test_a_press_stands_where_its_frame_opens_to_under_the_force(frame: Frame, deeper: float) -> None:
     """Also where it is shut further than any opening of the table, beyond which the force is that of the last one."""
     files = blind_press.as_readings(caps.measure(caps.Truth(()), np.random.default_rng(2), 0.0, "rich"))

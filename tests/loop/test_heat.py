@@ -233,7 +233,8 @@ mesh_size = "20 mm"
 """
 
 
-@pytest.mark.parametrize("share", [pytest.param(1.0, marks=pytest.mark.slow), 0.5])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [1.0, 0.5])
 def test_steel_that_conducts_worse_is_predicted_as_the_whole_mold_runs(hf: Run, tmp_path: Path, share: float) -> None:
     """Two parts that touch, some 200 K apart: the loop's few unknowns against ``hf mold-heat`` on the same mesh."""
     text = STEEL.replace("CONDUCTIVITY", "30")

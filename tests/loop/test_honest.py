@@ -270,7 +270,7 @@ def test_contraction_that_nature_forbids_is_not_added(ratio: float) -> None:
         assert not form.startswith("uniform") or values[0] <= 0.5
 
 
-@pytest.mark.parametrize("model", ["yeoh-3", "neo-hookean"])
+@pytest.mark.parametrize("model", ["yeoh-3", pytest.param("neo-hookean", marks=pytest.mark.slow)])
 def test_no_direction_comes_out_without_stiffness_at_rest(model: str) -> None:
     """A toe that is flat at rest, one curve a direction: the best constants of many laws have a negative modulus."""
     tests = [

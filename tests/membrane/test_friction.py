@@ -191,6 +191,7 @@ def _slack_square(friction, steps=4):
     return rough_path(_test(friction, 0.97, outline.Square(200.0, quarter=True)), depths)
 
 
+@pytest.mark.slow
 def test_a_square_mounted_slack_settles_with_friction():
     """It rubs as nothing where friction is nothing, the more the larger the coefficient, and least where it sticks."""
     _, without = _slack_square(Frictionless())
