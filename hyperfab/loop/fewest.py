@@ -67,14 +67,30 @@ def fewest(
         if found is None and len(whole.ids) == 1:
             # A second name that leaves no noise either is not given: nor may it pass for sure.
             search.forget(judged)
-    if found is None:
-        # None leaves noise: a name that comes clearly nearer, told by what it rides on, before one that a formula met.
-        # What richer forms cost there says nothing against the names whose formulas came as near.
-        told = min(surprise(whole), surprise(best))
-        nearer = [state for state in alone.values() if surprise(state) < told - np.log(ODDS)]
-        nearer = [state for state in nearer if len(state.ids) <= max(len(whole.ids), 1) and _pays(search, state)]
-        found = next((one for one in sorted(nearer, key=surprise) if no_worse(one)), None)
-    return found or whole
+    return found or _nearer(search, whole, best, alone.values(), no_worse) or whole
+
+
+def _nearer(
+    search: Search,
+    whole: Candidate,
+    best: Candidate,
+    alone: Iterable[Candidate],
+    no_worse: Callable[[Candidate], bool],
+) -> Candidate | None:
+    """Return the model of one name that comes clearly nearer where none leaves noise; None if none does.
+
+    It is told by what it rides on, before one that a formula met. What richer forms cost there says nothing against the
+    names whose formulas came as near. It leaves no more of what is missed most: what each specimen has of its own may
+    take up how they differ in stiffness, and leave the more of their curves.
+    """
+
+    def left(state: Candidate) -> float:
+        return structured(state.fit, search.problem, search.noise)
+
+    told = min(whole, best, key=surprise)
+    clear = [one for one in alone if surprise(one) < surprise(told) - np.log(ODDS) and left(one) <= left(told)]
+    paying = (one for one in sorted(clear, key=surprise) if len(one.ids) <= max(len(whole.ids), 1))
+    return next((one for one in paying if _pays(search, one) and no_worse(one)), None)
 
 
 def _beside(plain: str, names: Iterable[str]) -> tuple[str, ...]:

@@ -1,0 +1,37 @@
+"""Which model is given where none leaves noise."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hyperfab.loop import fewest
+
+
+def model(name: str, surprise: float, left: float) -> Any:
+    return SimpleNamespace(ids=(name,), fit=left, surprise=surprise)
+
+
+@pytest.mark.parametrize(
+    ("left", "given"),
+    [
+        # A slack of each specimen takes up how stiff these are, which counts for much, and no curve.
+        (12.8, "rate"),
+        (3.5, "grip-slack"),
+    ],
+)
+def test_what_leaves_more_of_the_curves_comes_no_nearer(
+    monkeypatch: pytest.MonkeyPatch, left: float, given: str
+) -> None:
+    monkeypatch.setattr(fewest, "surprise", lambda one: one.surprise)
+    monkeypatch.setattr(fewest, "structured", lambda fit, problem, noise: fit)
+    monkeypatch.setattr(fewest, "_pays", lambda search, one: True)
+    whole = model("anisotropy", 48.9, 4.0)
+    alone = [model("grip-slack", 36.3, left), model("rate", 40.0, 3.0), model("mullins", 48.5, 3.9)]
+    search: Any = SimpleNamespace(problem=None, noise=None)
+    found = fewest._nearer(search, whole, whole, alone, lambda one: True)
+    assert found is not None
+    assert found.ids == (given,)
+    assert fewest._nearer(search, whole, whole, alone[2:], lambda one: True) is None
