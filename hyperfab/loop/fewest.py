@@ -80,15 +80,16 @@ def _nearer(
     """Return the model of one name that comes clearly nearer where none leaves noise; None if none does.
 
     It is told by what it rides on, before one that a formula met. What richer forms cost there says nothing against the
-    names whose formulas came as near. It leaves no more of what is missed most: what each specimen has of its own may
-    take up how they differ in stiffness, and leave the more of their curves.
+    names whose formulas came as near. What each specimen has of its own may take up how they differ in stiffness, and
+    leave the more of their curves: that comes no nearer.
     """
 
-    def left(state: Candidate) -> float:
-        return structured(state.fit, search.problem, search.noise)
+    def leaves_no_more(state: Candidate) -> bool:
+        left, before = (structured(one.fit, search.problem, search.noise) for one in (state, told))
+        return left <= before or not any(form.of_each for form in state.fit.forms.values())
 
     told = min(whole, best, key=surprise)
-    clear = [one for one in alone if surprise(one) < surprise(told) - np.log(ODDS) and left(one) <= left(told)]
+    clear = [one for one in alone if surprise(one) < surprise(told) - np.log(ODDS) and leaves_no_more(one)]
     paying = (one for one in sorted(clear, key=surprise) if len(one.ids) <= max(len(whole.ids), 1))
     return next((one for one in paying if _pays(search, one) and no_worse(one)), None)
 
