@@ -11,7 +11,7 @@ from hyperfab.io import heading_words
 from hyperfab.io.dictionary import plain, words
 
 #: What parts a title into words of a test and words of what is tested.
-_PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")
+PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")
 #: A word that a kind stands before (compression test), or behind (ensayo de compresión), and what links them then.
 _ENDS = frozenset(
     ["test", "tests", "testing", "versuch", "versuche", "prufung", "method", "methode", "testi", "deneyi"]
@@ -73,7 +73,7 @@ def named_test(text: str) -> Named | None:
     """
     weak: set[str] = set()
     sure: set[str] = set()
-    for part in _PARTS.split(text):
+    for part in PARTS.split(text):
         runs, rest = _runs(part)
         for run in runs:
             (sure if run.of_test or not rest else weak).update(run.kinds)
@@ -93,7 +93,7 @@ def is_pull(text: str) -> bool:
     >>> is_pull("Zugversuch Jersey"), is_pull("uniaxial"), is_pull("biaxial tensile test")
     (True, False, False)
     """
-    runs = [(run, rest) for part in _PARTS.split(text) for found, rest in [_runs(part)] for run in found]
+    runs = [(run, rest) for part in PARTS.split(text) for found, rest in [_runs(part)] for run in found]
     return any(
         (run.of_test or not rest)
         and run.kinds == {"uniaxial"}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from functools import cache
 
 from hyperfab.io import heading_words
 from hyperfab.io.dictionary import plain, words
+from hyperfab.io.named_tests import PARTS
 
 #: Titles of such tests, and what to do instead.
 _UNREAD = {
@@ -22,8 +22,6 @@ _UNREAD = {
 }  # fmt: skip
 #: Words of a test in which a pressure bulges a sheet.
 _BULGES = "bulge; bulging; bubble; inflation; inflated; pole; apex; dome; berstdruck; wolbung; wolbhohe; polhohe"
-#: What parts the title of a test from what else stands in a line.
-_PARTS = re.compile(r"[,;:()\[\]|]|\s[-\u2013\u2014/]\s")
 #: What is said where a pressure is offered as the stress of a bulge.
 BULGED = (
     "a pressure p that bulges a sheet is no stress of it: with the radius r of curvature at the pole, the stretch l "
@@ -38,7 +36,7 @@ def unread(text: str) -> str | None:
     >>> unread("Picture frame test, PES") is not None, unread("Knit for picture frames")
     (True, None)
     """
-    named = {plain(part) for part in _PARTS.split(text)}
+    named = {plain(part) for part in PARTS.split(text)}
     return next((told for names, told in _UNREAD.items() if named & words(names)), None)
 
 
