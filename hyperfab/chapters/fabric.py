@@ -17,7 +17,7 @@ from hyperfab.materials import Material, bind
 from hyperfab.materials.effects import thermal_softening
 from hyperfab.materials.effects.elastic_law import richer
 from hyperfab.materials.hyperfoam import ORDERS, Hyperfoam
-from hyperfab.materials.law import scaled
+from hyperfab.materials.law import scaled, stresses
 from hyperfab.materials.orthotropic import Orthotropic
 
 #: The law that is the whole sheet's, not one direction's.
@@ -215,6 +215,29 @@ def per_width(name: str) -> str:
     return f"{name} is per width: 1 mm is taken, and a stress in MPa is N/mm of width (--thickness sets it)"
 
 
+def over(document: MaterialDocument, thickness_mm: float) -> MaterialDocument:
+    """Return a copy whose constants are stresses over a thickness, where they are per width; else the document.
+
+    How sure they are is not told anew.
+
+    >>> per_width = {"parameters": {"C10_MPa": 0.2}, "thickness_mm": 1.0, "thickness_nominal": True}
+    >>> knit = over(MaterialDocument(model="neo-hookean", **per_width), 0.5)
+    >>> knit.parameters, knit.thickness_mm, knit.thickness_nominal
+    ({'C10_MPa': 0.4}, 0.5, None)
+    """
+    if not document.thickness_nominal:
+        return document
+    share = (document.thickness_mm or 1.0) / thickness_mm
+    result = document.model_copy(deep=True, update={"thickness_mm": thickness_mm, "thickness_nominal": None})
+    for _, constants in result.every_constant():
+        constants.update(scaled(constants, share))
+    for effect in result.effects or []:
+        given = effect.get("parameters") or {}
+        numbers = {name: value for name, value in given.items() if isinstance(value, int | float)}
+        effect["parameters"] = {**given, **scaled(numbers, share)}
+    return result
+
+
 def read_fabric_document(job: Job, name: str, asked: float | None, thickness: float | None = None) -> FabricDocument:
     """Read a material document for use at a temperature [degC], or at that of its own constants.
 
@@ -222,13 +245,13 @@ def read_fabric_document(job: Job, name: str, asked: float | None, thickness: fl
     """
     document = read_document(job.inputs, name, MaterialDocument)
     for key, constants in document.every_constant():
-        for one, value in constants.items():
-            if one.endswith("_MPa") and abs(value) > STIFFEST:
+        for one in stresses(constants):
+            if abs(value := constants[one]) > STIFFEST:
                 raise InputError(
                     f"{value:g} is no constant of a fabric", file=name, key=f"{key}.{one}", remedy="check its unit"
                 )
     if thickness is not None:
-        document = document.over(thickness)
+        document = over(document, thickness)
     tentative = [str(one.get("id", "?")) for one in document.effects or [] if one.get("tentative")]
     if tentative:
         job.console.warn(

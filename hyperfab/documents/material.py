@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -269,26 +269,6 @@ class MaterialDocument(Document):
             for index, row in enumerate(part.temperatures or ()):
                 yield f"{place}temperatures.{index}.parameters", row.parameters
 
-    def over(self, thickness_mm: float) -> MaterialDocument:
-        """Return a copy whose constants are stresses over a thickness, where they are per width; else the document.
-
-        How sure they are is not told anew. Strain energies are linear in the constants that are stresses.
-
-        >>> per_width = {"parameters": {"C10_MPa": 0.2}, "thickness_mm": 1.0, "thickness_nominal": True}
-        >>> knit = MaterialDocument(model="neo-hookean", **per_width)
-        >>> knit.over(0.5).parameters, knit.over(0.5).thickness_mm, knit.over(0.5).thickness_nominal
-        ({'C10_MPa': 0.4}, 0.5, None)
-        """
-        if not self.thickness_nominal:
-            return self
-        share = (self.thickness_mm or 1.0) / thickness_mm
-        result = self.model_copy(deep=True, update={"thickness_mm": thickness_mm, "thickness_nominal": None})
-        for _, constants in result.every_constant():
-            constants.update(_stresses_times(share, constants))
-        for effect in result.effects or []:
-            effect["parameters"] = _stresses_times(share, effect.get("parameters") or {})
-        return result
-
     def constants(self, direction: str | None = None, temperature_degC: float | None = None) -> Parameters:
         """Return the constants to compute with.
 
@@ -311,13 +291,6 @@ class MaterialDocument(Document):
         if temperature_degC is None or not table:
             return dict(own)
         return interpolated(table, temperature_degC)
-
-
-def _stresses_times(share: float, constants: Mapping[str, Any]) -> dict[str, Any]:
-    return {
-        name: share * value if name.endswith("_MPa") and isinstance(value, int | float) else value
-        for name, value in constants.items()
-    }
 
 
 def interpolated(table: list[AtTemperature], temperature_degC: float) -> Parameters:

@@ -85,12 +85,13 @@ def meaning(head: Heading) -> Meaning | None:
         found = list(looked_up(core))
     # Of a gauge alone its last word tells: Laser extensometer.
     if not found and (core := _GAUGE.sub(" ", label).strip() or label.rpartition(" ")[2]) != label:
-        along = re.fullmatch(
-            r"(.*?) ?(xx|yy|[xy])", core
-        )  # DIC displacement X; of a second gauge a number says nothing
-        told = looked_up(core) or (looked_up(along[1]) if along else ())
-        found = [one for one in told if one.name in ("strain", "stretch", "extension")]
-        axis = _AXES[along[2]] if found and along and not looked_up(core) else axis
+        told = looked_up(core)
+        # DIC displacement X; of a second gauge a number says nothing.
+        along = None if told else re.fullmatch(r"(.*?) ?(xx|yy|[xy])", core)
+        found = [
+            one for one in (looked_up(along[1]) if along else told) if one.name in ("strain", "stretch", "extension")
+        ]
+        axis = _AXES[along[2]] if found and along else axis
     if not found:
         first, _, last = label.rpartition(" ")
         if last in ("nr", "no", "id", "num"):

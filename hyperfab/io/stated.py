@@ -115,7 +115,8 @@ def _lengths_of_no_known_name(sheet: CsvSheet, decimal: str) -> dict[str, tuple[
     for name, entries in sheet.metadata.items():
         if setting(name) is None and stated(sheet, name) is not None:
             length = amount(sheet, name, "length", decimal, [])
-            found.update({name: (entries[0].line, length)} if length is not None and length > 0.0 else {})
+            if length is not None and length > 0.0:
+                found[name] = entries[0].line, length
     return found
 
 

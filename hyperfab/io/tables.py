@@ -168,9 +168,7 @@ def _head(
                 made = headings(titles, layout)
                 if units is not None:
                     made = with_units(made, rows[units][1])
-                made = with_units(
-                    made, ["" if one.unit else cell for one, cell in zip(made, of_channels, strict=False)]
-                )
+                made = _with_missing(made, of_channels)
                 known = sum(1 for one in made if (m := meaning(one)) is not None and m.name != "aside")
                 units_known = sum(1 for one in made if one.unit is not None)
                 cost = place + 2 * (upper is not None)
