@@ -21,6 +21,7 @@ from hyperfab.io.impossible import refuse_impossible
 from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.loading import Loading, read_loading
+from hyperfab.io.other_tests import READINGS, RESULTS, is_result
 from hyperfab.io.phases import in_one
 from hyperfab.io.role_words import no_test, understood
 from hyperfab.io.roles import STRESSES, STRETCHES, Roles, fits, roles, with_names
@@ -102,6 +103,9 @@ def read_tests(
             line=sheets[0].lines[0] if sheets[0].lines else None,
             remedy="export the whole test",
         )
+    results = any(is_result(one.label) for one in sheets[0].headings)
+    if results and all(len(part.stretch) == 1 and part.specimen for part in found):
+        raise InputError(f"has {RESULTS}", file=name, line=sheets[0].lines[0], remedy=READINGS)
     return found
 
 

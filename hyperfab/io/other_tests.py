@@ -1,7 +1,8 @@
-"""Tests of which a table gives no stretch and stress: by what their titles say, and by a pressure that bulges."""
+"""Tests of which a table gives no stretch and stress: by their titles, a pressure that bulges, results of curves."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 
@@ -27,6 +28,14 @@ BULGED = (
     "a pressure p that bulges a sheet is no stress of it: with the radius r of curvature at the pole, the stretch l "
     "there and the first thickness t the nominal stress is p r l / (2 t), along both axes"
 )
+#: Words of what is read off a whole curve.
+_OF_RESULTS = re.compile(
+    r"\b(max\w*|fmax|peak|break\w*|rupture|failure|yield|strength|toughness|modulus|e modul\w*|hochst\w*|bruch\w*|"
+    r"reiss\w*|\w*festigkeit|rottura|rotura|ruptura|massim\w|resisten\w*|resistance)\b"
+)
+#: What is said of a table of them, and what to do.
+RESULTS = "results, a row a specimen, and hf reads the curves behind them"
+READINGS = "export the readings (raw data)"
 
 
 @cache
@@ -49,3 +58,12 @@ def is_bulge(titles: Sequence[str], told: Sequence[str]) -> bool:
     labels = [plain(title) for title in titles]
     pressed = any(label in words(heading_words.PRESSURES) for label in labels)
     return pressed and any(words(_BULGES) & set(one.split()) for one in (*labels, *map(plain, told)))
+
+
+def is_result(title: str) -> bool:
+    """Whether the ``title`` of a column is of what is read off a whole curve.
+
+    >>> is_result("Elongation at break [%]"), is_result("Load [N]"), is_result("Young's modulus")
+    (True, False, True)
+    """
+    return _OF_RESULTS.search(plain(title)) is not None

@@ -12,7 +12,7 @@ from hyperfab.io.csv_numbers import other_unit
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, looked_up, measured, plain
 from hyperfab.io.headings import KIND, Heading, heading, in_unit, is_of, is_unread, meaning, unit_of, unread_unit
-from hyperfab.io.other_tests import BULGED, is_bulge
+from hyperfab.io.other_tests import BULGED, READINGS, RESULTS, is_bulge, is_result
 from hyperfab.io.roles import BY_KIND, STRESSES, STRETCHES, STRONGEST, Column, Roles, state_of
 from hyperfab.io.units import is_unit
 
@@ -55,7 +55,10 @@ def missing(sheet: CsvSheet, found: Roles, what: str, names: str) -> InputError:
     fine = next((one.title for one in sheet.headings if _FINENESS.fullmatch(one.unit or "")), None)
     remark = f"; {fine} is the force by the fineness of a yarn, a sheet has none" if fine else ""
     told = [sheet.name, *(one.value for one in sheet.metadata.get("test", []))]
-    bulge = is_bulge([one.label for one in sheet.headings], told)
+    labels = [one.label for one in sheet.headings]
+    if sum(map(is_result, labels)) > 1:
+        return sheet.wrong(f"no column gives {what}; the columns are {titles}: {RESULTS}", remedy=READINGS)
+    bulge = is_bulge(labels, told)
     remark += f"; {BULGED}" if bulge else ""
     entries = [] if bulge else proposed(sheet, found)
     settles = f", or say what they are, as in {sheet.option(entries)}" if entries else ""

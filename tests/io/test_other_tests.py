@@ -97,3 +97,21 @@ def test_a_test_is_as_warm_as_it_was_made_and_not_as_its_room(room: str) -> None
     [found] = read(f"Tensile test\n{room}\n\nDisplacement [mm];Force [N]\n1;2\n2;4\n", geometry=STRIP)
     assert found.temperature_degC is not None
     assert found.temperature_degC.tolist() == [23.0, 23.0]
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Specimen,Load at Maximum (N),Extension at Maximum (mm)",
+        "Probe,Höchstkraft (N),Höchstkraftdehnung (%)",
+        "No,Breaking force (N),Breaking elongation (%)",
+        "Sample,Strain (%),Stress (MPa),Young's modulus (MPa)",
+    ],
+)
+def test_results_of_specimens_are_no_curve(above: str) -> None:
+    """The breaks of four specimens, or what they bore at 20 %, were a curve, or offered as one by --columns."""
+    rows = "1,120.3,84.2,1.25\n2,118.0,83.0,1.22\n3,121.0,85.1,1.26\n"
+    cut = "\n".join(",".join(row.split(",")[: above.count(",") + 1]) for row in rows.splitlines())
+    with pytest.raises(InputError, match=r"a row a specimen, and hf reads the curves behind them") as caught:
+        read(f"{above}\n{cut}\n", test="uniaxial", geometry=STRIP)
+    assert "--columns" not in str(caught.value)
