@@ -43,6 +43,9 @@ class NoiseFigures(Part):
     specimen_scatter: float | None = optional("relative standard deviation of the stiffness between specimens")
     contraction_scatter: float | None = optional("the same of how much narrower they become")
     correlation: float | None = optional("between neighbouring readings")
+    switching: float | None = optional(
+        "what is not known of when heaters switched between readings (root mean square), in the unit of the data"
+    )
     assumed_scatter: float | None = optional(
         "scatter of specimens that was taken for what is left, though no two were alike"
     )

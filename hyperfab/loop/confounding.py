@@ -190,7 +190,7 @@ def _alike(search: Search, best: Candidate, without: Candidate) -> dict[str, flo
     basis, _ = projected(without.fit)
     noise = search.noise.at(without.fit.predicted)
     imprint = np.zeros(len(basis))
-    imprint[: len(noise.sd)] = noise.whiten(best.fit.predicted - without.fit.predicted)
+    imprint[: len(noise.sd)] = noise.whiten(best.fit.by_model - without.fit.by_model)
     imprint -= basis @ (basis.T @ imprint)
     power = max(float(imprint @ imprint), 1e-300)
     directions: dict[tuple[str, str], list[Array]] = {}
@@ -240,5 +240,5 @@ def is_strained(problem: Problem, found: Fit) -> bool:
 
 def _misfit(problem: Problem, noise: Noise, truth: Fit, start: Fit) -> float:
     """Return chi-squared of a model refitted to the noise-free prediction of another."""
-    again = fit(problem, noise, dict(start.forms), start.x, data=truth.predicted, iterations=12)
+    again = fit(problem, noise, dict(start.forms), start.x, data=truth.by_model, iterations=12)
     return again.chi2

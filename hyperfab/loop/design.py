@@ -67,11 +67,13 @@ def _extended(noise: Noise, target: Array, old: int, problem: Problem) -> Noise:
     new = np.arange(old, len(target))
     stress, own = problem.channel[:old] == 0, np.broadcast_to(noise.correlation, old)
     sd = np.concatenate([noise.sd, np.full(len(new), float(np.median(noise.sd[stress])))])
+    common = np.pad(noise.common, ((0, len(new)), (0, 0))) if noise.common.size else noise.common
     if not (noise.gain_sd or noise.across_sd or noise.is_correlated):
-        return replace(noise, sd=sd)
+        return replace(noise, sd=sd, common=common)
     return replace(
         noise,
         sd=sd,
+        common=common,
         correlation=np.append(own, np.full(len(new), np.max(own[stress]))),
         starts=tuple(curve.start for curve in problem.curves),
         groups=(*noise.groups, new),

@@ -35,6 +35,7 @@ class Fit:
     ``x`` holds the own constants, then those of each term in order. ``residual`` (rows) and ``jacobian``
     (rows, constants)
     are whitened: in units of the noise, uncorrelated. ``chi2`` is of the data alone, ``cost`` with the priors.
+    ``predicted`` is what the model says, ``by_model``, with what common causes of the noise are likely to have done.
     """
 
     forms: Mapping[str, Form]
@@ -47,6 +48,7 @@ class Fit:
     cost: float
     prior: Array
     own: int
+    by_model: Array
 
     @property
     def terms(self) -> dict[str, tuple[str, Array]]:
@@ -181,7 +183,7 @@ class Descent:
         forms, x, value = dict(self.forms), self.x, self.value
         if not np.isfinite(self.misfit):
             empty, far = np.zeros((len(value), len(x))), np.full_like(value, np.inf)
-            return Fit(forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own)
+            return Fit(forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own, value)
         if not self.exact:
             self.ask()
         left, jacobian = self.left, self.jacobian
@@ -191,7 +193,8 @@ class Descent:
             jacobian = full.whiten(self.metric.coloured(jacobian))
         precision = jacobian.T @ jacobian + np.diag(self.prior)
         chi2 = float(left @ left)
-        return Fit(forms, x, value, left, jacobian, precision, chi2, self.cost, self.prior, self.own)
+        shown = value + self.metric.owed(self.target - value)
+        return Fit(forms, x, shown, left, jacobian, precision, chi2, self.cost, self.prior, self.own, value)
 
     # What no number holds is no way to go, and is looked at below.
     @np.errstate(over="ignore", invalid="ignore")
@@ -338,7 +341,7 @@ def stepped_misfits(problem: Problem, metrics: Sequence[Noise], found: Fit) -> t
     span = orthonormal(there.jacobian[:, moving]) * plain.sd[:, None]
     misfits, taken = np.empty((2, len(metrics)))
     for k, metric in enumerate(metrics):
-        left, columns = metric.whiten(problem.measured - found.predicted), metric.whiten(span)
+        left, columns = metric.whiten(problem.measured - found.by_model), metric.whiten(span)
         basis = orthonormal(columns)
         rest = left - basis @ (basis.T @ left)
         misfits[k] = rest @ rest

@@ -28,7 +28,8 @@ class Noise:
     of their own, which is told.
     ``raised`` is how many times what readings tell of it the noise is, where a machine is off by more at least.
     ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch. ``least`` is what a
-    machine may be off, in all tests alike, as a share of the largest reading of each.
+    machine may be off, in all tests alike, as a share of the largest reading of each. ``common`` (rows, k) is what k
+    causes that are known to about a standard deviation, and to no fit, would each do to the readings.
     """
 
     sd: Array
@@ -48,6 +49,7 @@ class Noise:
     centred: bool = False
     least: float = 0.0
     raised: float = 1.0
+    common: Array = field(default_factory=lambda: np.empty((0, 0)))
 
     def louder(self, chi_squared: Array) -> Array:
         """Return how many times as large its variance is where what told it drew a ``chi_squared`` of its ``dof``.
@@ -66,7 +68,7 @@ class Noise:
 
     @property
     def plain(self) -> Noise:
-        """The noise without what rows have in common."""
+        """The noise without what the scatter of specimens and of neighbouring rows has in common."""
         return replace(self, gain_sd=0.0, across_sd=0.0, correlation=0.0)
 
     @cached_property
@@ -119,16 +121,47 @@ class Noise:
                 common[rows] = sd * pattern[rows]
         return np.hypot(self.sd, common)
 
+    @property
+    def common_sd(self) -> Array:
+        """One standard deviation a row of what the causes known beforehand do to it, all together."""
+        return np.sqrt(np.sum(self.common**2, axis=1)) if self.common.size else np.zeros(len(self.sd))
+
     def whiten(self, values: Array) -> Array:
         """Return values (rows) or columns (rows, k) in units of the noise, uncorrelated."""
         scaled = values / (self.sd if values.ndim == 1 else self.sd[:, None])
         if self.is_correlated:
             scaled = self._along(scaled)
-        return self._less(scaled, -0.5 if self.centred else None)
+        return self._less(self._along_causes(scaled, -1.0), -0.5 if self.centred else None)
 
     def coloured(self, whitened: Array) -> Array:
         """Return columns (rows, k) that were whitened as they were, of noise about means."""
-        return self._less(whitened, 0.5) * self.sd[:, None]
+        return self._along_causes(self._less(whitened, 0.5), 1.0) * self.sd[:, None]
+
+    def owed(self, left: Array) -> Array:
+        """Return what of ``left`` (rows) the common causes are likely to have done, (rows,)."""
+        if not self.common.size:
+            return np.zeros(len(self.sd))
+        _, wide, ways = self._causes
+        told = self.common.T @ (left / self.sd**2)
+        return self.common @ (ways @ ((ways.T @ told) / wide**2))
+
+    def _along_causes(self, scaled: Array, power: float) -> Array:
+        """Return values or columns as many times as large, along what the common causes do, as a power of how wide that
+        is."""
+        if not self.common.size:
+            return scaled
+        shapes, wide, _ = self._causes
+        return scaled + (shapes * (wide**power - 1.0)) @ (shapes.T @ scaled)
+
+    @cached_property
+    def _causes(self) -> tuple[Array, Array, Array]:
+        """Unit shapes (rows, r) of what the common causes do to the readings together, how many times as wide as the
+        noise of a reading these scatter along each (r,), and how much of each cause is in them (k, r)."""
+        told = self.common / self.sd[:, None]
+        squares, ways = np.linalg.eigh(told.T @ told)
+        seen = squares > 1e-6 * np.max(squares, initial=1e-6)
+        ways, size = ways[:, seen], np.sqrt(squares[seen])
+        return (told @ ways) / size, np.sqrt(1.0 + squares[seen]), ways
 
     def _sizes(self, values: Array) -> Array:
         """Return values (rows), of the transverse stretch by how much it is narrower."""

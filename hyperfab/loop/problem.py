@@ -234,6 +234,8 @@ class Problem(ABC):
     priors: tuple[Constant, ...] = field(default=(), kw_only=True)
     #: What the model as it was given predicts, where that is not what it does with its ``own`` constants.
     as_delivered: Array | None = field(default=None, kw_only=True)
+    #: What causes known beforehand to about a standard deviation would each do to the readings, (rows, k).
+    common: Array = field(default_factory=lambda: np.empty((0, 0)), kw_only=True)
     #: Noise that curves without replicates have at least, as a share of their largest reading: published curves are
     #: drawn smooth, and readings that repeat each other are no more sure than the specimen.
     least_noise: ClassVar[float] = 0.0

@@ -63,7 +63,7 @@ def signatures(problem: Problem, noise: Noise, fit: Fit, effects: Iterable[Effec
                 value = problem.predict(own, {**terms, effect.id: (form.name, np.array(probe))})
                 if not np.all(np.isfinite(value)):
                     continue
-                total, left = beside(basis, noise.whiten(value - fit.predicted))
+                total, left = beside(basis, noise.whiten(value - fit.by_model))
                 length = float(left @ left)
                 seen = length > _VISIBLE * total or (
                     length > _TOLD * total and np.sqrt(length) * _begins(form, probe) > _STANDS_OUT

@@ -50,7 +50,7 @@ def _points(problem: Problem, noise: Noise, fitted: Fit, name: str, form: Form) 
         values = [known.get(one.name, value) for one, value in zip(form.constants, probe, strict=True)]
         told = problem.predict(own, {**terms, name: (form.name, np.array(values))})
         if np.all(np.isfinite(told)):
-            _, left = beside(basis, level.whiten(told - fitted.predicted))
+            _, left = beside(basis, level.whiten(told - fitted.by_model))
             ways.append(left)
     return _may_pay(problem, fitted, ways)
 

@@ -30,7 +30,7 @@ def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence
     edges = np.array([begin, *inside, end])
     edges = edges[np.concatenate([[True], np.diff(edges) > 1e-3 * whole / steps])]
     edges[-1] = end
-    jumps = _jumps(edges[:-1], whole / steps, signals)
+    jumps = _jumps(edges, whole / steps, signals)
     jumps[0] = True
     parts = []
     for start, stop, jump in zip(edges[:-1], edges[1:], jumps, strict=True):
@@ -40,8 +40,11 @@ def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence
     return np.concatenate([*parts, [end]])
 
 
-def _jumps(at: Array, step: float, signals: Sequence[Table]) -> Flags:
-    found = np.zeros(len(at), dtype=bool)
+def _jumps(edges: Array, most: float, signals: Sequence[Table]) -> Flags:
+    at, found = edges[:-1], np.zeros(len(edges) - 1, dtype=bool)
+    # No farther than to the next corner: a pulse may be over within a step.
+    length = np.diff(edges)
+    step = np.minimum(most, np.minimum(length, np.append(most, length[:-1])))
     for signal in signals:
         reach = max(float(np.ptp(signal.y)), 1e-3 * float(np.max(np.abs(signal.y))))
         bend = np.abs(signal(at + step) - 2.0 * signal(at) + signal(at - step))

@@ -246,3 +246,30 @@ def test_a_sensor_that_lags_shows_a_ramp_late_and_a_step_slowly():
     twice = lagging(fine, lagging(fine, fine[None, :, None], np.array([lag])), np.array([lag]))[0, :, 0]
     exact = fine - 2.0 * lag + (fine + 2.0 * lag) * np.exp(-fine / lag)
     assert twice == pytest.approx(exact, abs=1e-5)
+
+
+def _slab_warms(at: np.ndarray) -> np.ndarray:
+    """Both ends of a unit slab, a unit flux through one, its other end insulated: Carslaw & Jaeger (1959), 3.8."""
+    n = np.arange(1, 200)[:, None]
+    decay = 2.0 / np.pi**2 * np.exp(-((n * np.pi) ** 2) * np.maximum(at, 0.0)) / n**2
+    rise = np.stack([at + 1.0 / 3.0 - decay.sum(axis=0), at - 1.0 / 6.0 - ((-1.0) ** n * decay).sum(axis=0)])
+    return np.where(at > 0.0, rise, 0.0)
+
+
+@pytest.mark.parametrize("pulse", [0.04, 0.2])
+def test_pulses_shorter_than_a_hundredth_of_the_run(block, pulse):
+    """They were one step long: the heated end missed by a tenth of what a pulse warms it."""
+    body, duration = block((1.0, 0.1, 0.1), (24, 1, 1)).flux("x-", 1.0), 8.0
+    mold = reduced(body, [(0, 0, 0), (1, 0, 0)], 0.0, duration)
+    on = np.arange(0.3, duration - 1.0, 0.7)
+    turns = np.ravel(np.column_stack([on, on + pulse]))
+    instant = 1e-6
+    x = np.ravel(np.column_stack([turns, turns + instant]))
+    [(shape, _)] = mold.heaters
+    power = Table(x, np.tile([0.0, 0.01, 0.01, 0.0], len(on)))
+    mold = replace(mold, heaters=[(shape, power)], corners=tuple(turns))
+    times = np.linspace(0.0, duration, 401)
+    shown = mold.run(times, plain(mold))[0].T
+    exact = sum(_slab_warms(times - begin) - _slab_warms(times - begin - pulse) for begin in on)
+    warms = float(_slab_warms(np.array([pulse]))[0, 0])
+    assert np.max(np.abs(shown - exact)) < 0.02 * warms

@@ -58,6 +58,7 @@ def describe(
             specimen_scatter=found.noise.gain_sd or None,
             contraction_scatter=found.noise.across_sd or None,
             correlation=float(np.max(np.where(problem.channel == 0, found.noise.correlation, 0.0))) or None,
+            switching=_rms(found.noise.common_sd) or None,
             assumed_scatter=found.assumed or None,
         ),
         error=_error(problem, found, 0),
@@ -140,7 +141,7 @@ def _error(problem: Problem, found: Finding, channel: int) -> Errors:
         spread=found.noise.spread(after.predicted)[rows],
         whitened=(before.residual[rows], after.residual[rows]),
         curves=[place[curve.rows] for curve in problem.curves if curve.channel == channel],
-        delivered=problem.delivered[rows] - rest,
+        delivered=(problem.delivered + found.noise.owed(problem.measured - problem.delivered))[rows] - rest,
     )
 
 

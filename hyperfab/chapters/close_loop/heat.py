@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from typing import TypeGuard
 
@@ -32,6 +33,7 @@ from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.heat import HeatProblem, bounds_of, heat_problem
 from hyperfab.loop.probes import Log
+from hyperfab.loop.switching import is_coarse, of_switches
 from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Box
@@ -76,6 +78,12 @@ def run(job: Job, given: Given) -> int:
             key="heater.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
             'schedule = "power.csv" in place of control' + _as_share(read.shares, rated, given.layout),
+        )
+    drawn = _seen(document, read)
+    if drawn is not None and is_coarse(drawn):
+        job.console.warn(
+            "the heaters switch about as fast as their power was read, so that some of it was between two readings: "
+            "read it several times as often"
         )
     level = stated_size(given.case.noise, "temperature-difference")
     builder = MoldBuilder(document, given.case.model, job.inputs)
@@ -145,8 +153,9 @@ def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: flo
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
         conducting=(1.0, bounds_of("conductivity", prior)[0]), zones=_ZONES,
     )  # fmt: skip
-    if read.power is not None and any(heater.control is not None for heater in document.heater):
-        mold = _drawn(mold, document, read.times, read.power)
+    drawn, undrawn = _seen(document, read), mold
+    if drawn is not None:
+        mold = _drawn(mold, document, read.times, drawn)
     own = _own(document, built, [document.part[part].name for part in began])
     check_fixed(fix, [key for key, _ in own], "mold")
     problem = heat_problem(
@@ -167,7 +176,14 @@ def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: flo
         for what in ("conductivity", "specific_heat")
     }
     problem.lag_s = np.array([built.lags[key] for key in read.names]).T
+    if drawn is not None:
+        problem.common = of_switches(problem, read.times, drawn, partial(_drawn, undrawn, document))
     return problem
+
+
+def _seen(document: MoldDocument, read: Thermocouples) -> Array | None:
+    """Return the power [W] that thermostats were seen to draw; None where there is none, or nobody read it."""
+    return read.power if any(heater.control is not None for heater in document.heater) else None
 
 
 def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array) -> ReducedMold:

@@ -172,6 +172,9 @@ def _how_far(problem: Problem, found: Finding, document: LoopDocument) -> str:
         noise += f", neighbouring readings alike by {document.noise.correlation:.2g}"
     if "at least" in document.noise.source:
         noise += f" ({document.noise.source})"
+    if document.noise.switching is not None:
+        size = f"{document.noise.switching:.2g} {unit}"
+        noise += f"; when the heaters switched between two readings ({size} here) is taken from the probes"
     noise += silent(problem, found)
     answers = np.isfinite(problem.delivered[problem.channel == 0])
     given = ""
