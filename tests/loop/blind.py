@@ -3,10 +3,11 @@ prints the table.
 
 Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effect+effect ...]``; deterministic for
 given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
-laws and protocols are others, ``--third`` and ``--fourth`` sets to which nothing is tuned and whose plain laws are no
-model's, ``--smooth``, ``--foreign`` and ``--rough`` sets of such laws that names are developed on. ``--next`` carries
-out the measurement that an ambiguous finding asks for, and beside it the old test once more; ``--without`` closes the
-loop again with the formula that was found taken out of the catalogue, as if it were a stranger's.
+laws and protocols are others, ``--third``, ``--fourth`` and ``--fifth`` sets to which nothing is tuned and whose plain
+laws are no model's, ``--smooth``, ``--foreign`` and ``--rough`` sets of such laws that names are developed on.
+``--next`` carries out the measurement that an ambiguous finding asks for, and beside it the old test once more;
+``--without`` closes the loop again with the formula that was found taken out of the catalogue, as if it were a
+stranger's.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import Any
 import numpy as np
 from loop.generators import fabric as truths
 from loop.generators import (
+    fifth_fabric,
     foreign_fabric,
     fourth_fabric,
     other_fabric,
@@ -36,13 +38,20 @@ from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.materials.registry import law
 
 #: A fabric of any set, and what draws and measures those of another set than the first.
-AnyTruth = truths.Truth | other_fabric.Truth | third_energy.Truth | smooth_fabric.Truth | fourth_fabric.Truth
+AnyTruth = (
+    truths.Truth
+    | other_fabric.Truth
+    | third_energy.Truth
+    | smooth_fabric.Truth
+    | fourth_fabric.Truth
+    | fifth_fabric.Truth
+)
 SETS: Mapping[str, Any] = {
     "other": other_fabric, "third": third_fabric, "rough": rough_fabric, "smooth": smooth_fabric,
-    "fourth": fourth_fabric, "foreign": foreign_fabric,
+    "fourth": fourth_fabric, "fifth": fifth_fabric, "foreign": foreign_fabric,
 }  # fmt: skip
 #: Sets whose plain laws are no model's.
-STRANGE = ("third", "rough", "smooth", "fourth", "foreign")
+STRANGE = ("third", "rough", "smooth", "fourth", "fifth", "foreign")
 
 #: Pairs for the trials with two effects.
 PAIRS = (
