@@ -14,6 +14,9 @@ from loop.generators.fifth_energy import LAWS, Cloth, table
 from hyperfab.loop.fitting import fit
 from hyperfab.loop.noise import Noise
 
+#: Nothing that is tested daily is drawn from it.
+pytestmark = pytest.mark.slow
+
 CASES = [
     (effect, kind)
     for effect, count in {**fifth_fabric.KINDS, **dict.fromkeys(fifth_fabric.OUTSIDE, 1)}.items()
