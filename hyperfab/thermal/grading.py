@@ -6,13 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hyperfab.arrays import Array, Flags
+from hyperfab.arrays import Array
 from hyperfab.thermal.tables import Table
 
 #: The first step after a jump, as a share of the whole, and by how much each next one is longer.
 _FIRST, _LONGER = 1e-4, 1.3
-#: A signal that bends by this share of its range within one step jumps.
-_JUMP = 0.02
+#: A signal that bends by this share of its range within one step has a corner; one that changes so much in one, a jump.
+_JUMP, _SUDDEN = 0.02, 0.3
+#: The first step behind a corner, as a share of how far the signal is straight beside it.
+_BEHIND = 0.1
 
 
 def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence[Table], steps: int) -> Array:
@@ -30,26 +32,28 @@ def graded(begin: float, end: float, corners: Sequence[float], signals: Sequence
     edges = np.array([begin, *inside, end])
     edges = edges[np.concatenate([[True], np.diff(edges) > 1e-3 * whole / steps])]
     edges[-1] = end
-    jumps = _jumps(edges, whole / steps, signals)
-    jumps[0] = True
+    firsts = _first_steps(edges, _FIRST * whole, whole / steps, signals)
     parts = []
-    for start, stop, jump in zip(edges[:-1], edges[1:], jumps, strict=True):
+    for start, stop, first in zip(edges[:-1], edges[1:], firsts, strict=True):
         length = float(stop - start)
-        lengths = _growing(length, _FIRST * whole, whole / steps) if jump else _even(length, whole / steps)
+        lengths = _growing(length, first, whole / steps) if first > 0.0 else _even(length, whole / steps)
         parts.append(start + np.concatenate([[0.0], np.cumsum(lengths)[:-1]]))
     return np.concatenate([*parts, [end]])
 
 
-def _jumps(edges: Array, most: float, signals: Sequence[Table]) -> Flags:
-    at, found = edges[:-1], np.zeros(len(edges) - 1, dtype=bool)
+def _first_steps(edges: Array, least: float, most: float, signals: Sequence[Table]) -> Array:
+    """Return the first step behind each edge but the last, 0 where no signal bends: ``least`` where one jumps, and a
+    share of how far it goes on as it is where it has a corner."""
+    at, length = edges[:-1], np.diff(edges)
     # No farther than to the next corner: a pulse may be over within a step.
-    length = np.diff(edges)
-    step = np.minimum(most, np.minimum(length, np.append(most, length[:-1])))
+    reach = np.minimum(most, np.minimum(length, np.append(most, length[:-1])))
+    bends, jumps = np.zeros((2, len(at)), dtype=bool)
+    jumps[0] = True
     for signal in signals:
-        reach = max(float(np.ptp(signal.y)), 1e-3 * float(np.max(np.abs(signal.y))))
-        bend = np.abs(signal(at + step) - 2.0 * signal(at) + signal(at - step))
-        found |= bend > _JUMP * reach
-    return found
+        size = max(float(np.ptp(signal.y)), 1e-3 * float(np.max(np.abs(signal.y))))
+        bends |= np.abs(signal(at + reach) - 2.0 * signal(at) + signal(at - reach)) > _JUMP * size
+        jumps |= np.abs(signal(at + least) - signal(at - least)) > _SUDDEN * size
+    return np.where(jumps, least, np.where(bends, np.maximum(least, _BEHIND * reach), 0.0))
 
 
 def _even(length: float, most: float) -> Array:
