@@ -21,10 +21,10 @@ from hyperfab.numerics.hygiene import look
 
 #: What a file says of itself and the laws, or nobody, has a use for.
 _KNOWN = {
-    "test", "direction", "temperature", "rate", "cycle", "branch", "specimen", "thickness", "width", "gauge length",
-    "area", "grip distance", "extensometer length", "gauge", "diameter", "source", "date", "time", "operator",
-    "machine", "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license", "doi",
-    "year", "specimen length", "height",
+    "test", "direction", "temperature", "room temperature", "rate", "cycle", "branch", "specimen", "thickness", "width",
+    "gauge length", "area", "grip distance", "extensometer length", "gauge", "diameter", "source", "date", "time",
+    "operator", "machine", "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license",
+    "doi", "year", "specimen length", "height",
 }  # fmt: skip
 #: So many places are named one by one; the others are counted.
 SHOWN = 4

@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.errors import InputError, placed
-from hyperfab.io.cells import NO_READING, is_number, is_one_at_rest, shape
+from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, is_closing
 from hyperfab.io.encoding import decode
 from hyperfab.io.headings import Heading, heading, meaning, unit_behind
-from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.layout import PLAIN, Layout, headless
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.rows import CELL, MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
 from hyperfab.io.settings import Entry, entry_of, settings, sizes
@@ -176,6 +176,7 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
     metadata: dict[str, list[Entry]] = {}
     body: list[tuple[int, str]] = []
     comment: tuple[int, str] | None = None
+    titles: list[Entry] = []
     separator = None
     skip = layout.skip_rows or 0
     for number, line in enumerate(lines, 1):
@@ -193,8 +194,10 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
                 metadata.setdefault(name, []).append(entry)
             elif not body:
                 comment = (number, stripped.lstrip("#"))
-                if len(comment[1].split()) <= _WORDS and kind_named(comment[1]) is not None:
-                    metadata.setdefault("test", []).append(Entry(comment[1].strip(), number, sure=False))
+                title = Entry(comment[1].strip(), number, sure=False)
+                titles.append(title)
+                if len(title.value.split()) <= _WORDS and kind_named(title.value) is not None:
+                    metadata.setdefault("test", []).append(title)
         elif number <= skip:
             for known, entries in settings([(number, split(line, _separator([line]), number))]).items():
                 metadata.setdefault(known, []).extend(entries)
@@ -204,6 +207,9 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
             body.append((number, line))
     if comment is not None and body and any(is_data(split(body[0][1], mark, body[0][0])) for mark in SEPARATORS):
         body.insert(0, comment)  # a table whose head is a comment, as numpy writes it
+        titles = titles[:-1]
+    if titles:
+        metadata.setdefault("title", []).extend(titles)
     return metadata, body, separator
 
 
@@ -324,32 +330,9 @@ def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: 
         return mark, max(blocks, key=lambda one: len(one.lines or one.rows))
     _, rows = max(options, key=lambda option: sum(is_data(cells) for _, cells in option[1]))
     if is_data(rows[0][1]):
-        raise _headless(rows, sought)
+        raise headless(rows, sought)
     rows = _rows(body, separator)
     return separator, Block(rows[0][0], headings(rows[0][1], layout), rows[1:])
-
-
-def _headless(rows: list[Row], sought: Sequence[str]) -> InputError:
-    """Return the error that no line names the columns, with what is ``sought``, of a test what its first readings
-    suggest."""
-    if sought:
-        return InputError(
-            "starts with numbers, there is no header",
-            line=rows[0][0],
-            remedy=f'name the columns, as in "{",".join(sought)}", or say what they are by number, whichever stands '
-            f"first: {filled_in([(str(k), one) for k, one in enumerate(sought, 1)])}",
-        )
-    columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
-    one, two = (*columns, ())[:2]
-    names = [("1", shape(one, stress=two)), ("2", "stress [MPa]")]
-    if names[0][1] != "stretch" and is_one_at_rest(two, one):
-        names = [("1", "stress [MPa]"), ("2", "stretch")]
-    return InputError(
-        "starts with numbers, there is no header",
-        line=rows[0][0],
-        remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled_in(names)} '
-        "(of a machine's own readings extension [mm] and force [N], whichever stands first)",
-    )
 
 
 def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[Entry]], layout: Layout) -> CsvSheet:

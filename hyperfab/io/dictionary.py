@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from hyperfab.io import heading_words
+from hyperfab.io import heading_words, setting_words
 
 #: Brackets of any kind and what stands in them.
 BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(([^()]*)\)|\{([^{}]*)\}|<([^<>]*)>")
@@ -161,8 +161,8 @@ def axis_of(word: str) -> str:
 
 @cache
 def _settings() -> dict[str, frozenset[str]]:
-    found = {name: words(phrases) for name, phrases in heading_words.SETTINGS.items()}
-    return {**found, "quiet": words(heading_words.QUIET)}
+    found = {name: words(phrases) for name, phrases in setting_words.SETTINGS.items()}
+    return {**found, "quiet": words(setting_words.QUIET)}
 
 
 @cache

@@ -1,4 +1,4 @@
-"""What testing machines and offices call their columns and settings, in twelve languages.
+"""What testing machines and offices call their columns and tests, in twelve languages.
 
 Words stand as ``hyperfab.io.dictionary.plain`` leaves them: lower case, without accents, punctuation as spaces.
 Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
@@ -47,9 +47,9 @@ COLUMNS: dict[str, str] = {
     "length": """gap; length; current length; lange; aktuelle lange; longitud; longueur; lunghezza; comprimento;
         spalt; measuring gap; specimen length; grip distance; entrefer; l; size; lengte; dlugosc""",
     "force": """force; load; f; shear force; scherkraft; schubkraft; fuerza de corte; force de cisaillement;
-        forza di taglio; tensile force; tensile load; standard force; test force; axial force; axial load;
-        load cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft; prufkraft;
-        zugkraft; last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort;
+        forza di taglio; tensile force; tensile load; standard force; static force; test force; axial force;
+        axial load; load cell; fz; load reading; force reading; pull force; maximum pull; kraft; standardkraft;
+        prufkraft; zugkraft; last; axialkraft; fuerza; fuerza de traccion; carga; carga de traccion; effort;
         force de traction; force standard; charge; forza; forza di trazione; forza standard; carico;
         carico di trazione; forca; forca de tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力;
         载荷; 负荷; 拉力; 拉伸载荷; 引張荷重; нагрузка; усилие; сила; kuvvet; cekme kuvveti; yuk; 拉伸力; kracht;
@@ -132,7 +132,7 @@ COLUMNS: dict[str, str] = {
 }
 #: Titles that are a unit and say by it that they are the time; LabVIEW's ``X_Value`` counts seconds.
 TIMES: dict[str, str] = {
-    "s": "seconds; secs; sekunden; segundos; secondes; secondi; saniye; x value",
+    "s": "seconds; secs; unix time; unix timestamp; epoch time; sekunden; segundos; secondes; secondi; saniye; x value",
     "min": "minutes; mins; minuten; minutos; minuti; dakika",
     "h": "hours; hrs; stunden; horas; heures; saat",
 }
@@ -196,6 +196,11 @@ READINGS: dict[str, str] = {
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
     "contact": "kontakt; contacto; contatto; contato",
+    "x0": "flat x; undeformed x",
+    "y0": "flat y; undeformed y",
+    "x": "draped x; deformed x",
+    "y": "draped y; deformed y",
+    "z": "draped z; deformed z",
 }
 #: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
 ACROSS: dict[str, str] = {
@@ -253,92 +258,6 @@ MEASURES: dict[str, dict[str, str]] = {
     },
 }
 
-#: Settings that stand above a table.
-SETTINGS: dict[str, str] = {
-    "width": """width; specimen width; sample width; strip width; arm width; initial width; breite; probenbreite;
-        streifenbreite; anfangsbreite; probenbreite b0; b0; w0; b; w; ancho; anchura; ancho de la probeta;
-        ancho de probeta; ancho inicial; largeur; largeur de l eprouvette; largeur eprouvette; largeur initiale;
-        larghezza; larghezza provino; larghezza del provino; larghezza iniziale; largura;
-        largura do corpo de prova; largura inicial; 幅; 宽度; ширина; genislik; numune genisligi; 试样宽度;
-        样品宽度; 試験片幅; breedte; proefstukbreedte; szerokosc; szerokosc probki""",
-    "thickness": """thickness; specimen thickness; sample thickness; initial thickness; fabric thickness; dicke;
-        probendicke; anfangsdicke; warendicke; stoffdicke; probendicke a0; a0; h0; espesor;
-        espesor de la probeta; espesor de probeta; espesor inicial; epaisseur; epaisseur de l eprouvette;
-        epaisseur eprouvette; epaisseur initiale; spessore; spessore provino; spessore del provino;
-        spessore iniziale; espessura; espessura do corpo de prova; espessura inicial; 厚さ; 厚み; 厚度; толщина;
-        kalinlik; numune kalinligi; 试样厚度; 样品厚度; 試験片厚さ; dikte; proefstukdikte; grubosc;
-        grubosc probki""",
-    "gauge length": """gauge length; gage length; gauge; gage; nominal gage length; sample gauge length;
-        gauge length standard travel; gage length standard travel; messlange standardweg; l0 standardweg;
-        l0 course standard; longueur de mesure course standard; initial gauge length; initial specimen length;
-        initial length; original length; original gauge length; nominal gauge length;
-        tensile strain gauge length; compressive strain gauge length; specimen gauge length; l0; lo; l 0;
-        free length; messlange; anfangsmesslange; anfangslange; bezugslange; ausgangslange;
-        longitud de referencia; longitud inicial; longitud calibrada; longitud util; base de medida;
-        longitud de medida; longueur initiale; longueur de reference; longueur utile; longueur de mesure;
-        base de mesure; lunghezza iniziale; lunghezza utile; lunghezza di riferimento; tratto utile;
-        base di misura; comprimento inicial; comprimento util; comprimento de referencia; comprimento de medida;
-        標点距離; ゲージ長さ; 标距; база; начальная длина; olcu boyu; olcu uzunlugu; ilk boy; ilk uzunluk;
-        原始标距; 初始标距; 初始长度; 標線間距離; 標線距離; bench mark distance; benchmark distance;
-        distance between bench marks; distance between marks; markenabstand; messmarkenabstand;
-        abstand der messmarken; longueur entre reperes; longueur initiale entre reperes; distance entre reperes;
-        distancia entre marcas; longitud entre marcas; longitud inicial entre marcas; distanza tra i riferimenti;
-        distanza tra le marche; lunghezza iniziale tra i riferimenti; distancia entre marcas de referencia;
-        meetlengte; beginlengte; dlugosc pomiarowa; dlugosc poczatkowa; baza pomiarowa""",
-    "extensometer length": """extensometer gauge length; extensometer gage length; extensometer length; gauge length
-        extensometer; gage length extensometer; strain 1 gauge length; strain 2 gauge length; messlange extensometer;
-        longitud de referencia extensometro; longueur de reference extensometre""",
-    "gauge": """extensometer; extensometer type; strain source; strain read by; strain measured by; strain measurement;
-        strain measurement method; tensile strain source; axial strain source; dehnungsaufnehmer; dehnungsmessung;
-        langenanderungsaufnehmer; extensometro; extensometre; estensometro; medida de la deformacion;
-        mesure de la deformation; misura della deformazione""",
-    "grip distance": """grip distance; test length; jaw span; distance between jaws; distance between clamps;
-        distance between grips; initial distance between grips; initial distance between jaws;
-        initial jaw separation; length between grips; length between jaws; clamp separation;
-        free clamping length; nip distance; pruflange; longueur d epreuve; distanza iniziale tra i morsetti;
-        distanza iniziale tra le pinze; grip separation; grip to grip separation;
-        grip to grip separation at the start position; jaw separation; jaw distance; clamp distance;
-        clamping length; clamping distance; initial grip separation; einspannlange; klemmlange;
-        freie einspannlange; einspannlange bei startposition; einspannlange le; le; spannlange;
-        distancia entre mordazas; separacion de mordazas; separacion entre mordazas; longitud entre mordazas;
-        distance entre mors; ecartement des mors; longueur entre mors; longueur de serrage;
-        distanza tra i morsetti; distanza morsetti; distanza tra le pinze; distancia entre garras;
-        distancia entre as garras; つかみ間隔; チャック間距離; 夹距; ceneler arasi mesafe; cene mesafesi;
-        夹持距离; 夹具间距; 夹持长度; 隔距; inspanlengte; klemafstand; klemlengte; dlugosc mocowania;
-        rozstaw szczek; odleglosc miedzy szczekami""",
-    "specimen length": """specimen length; sample length; length; overall length; total length; probenlange;
-        lange; gesamtlange; longitud; longitud de la probeta; longitud total; longueur; longueur de l eprouvette;
-        longueur eprouvette; longueur totale; lunghezza; lunghezza del provino; lunghezza provino;
-        lunghezza totale; comprimento; comprimento do corpo de prova; comprimento total; proefstuklengte;
-        dlugosc probki; dlugosc calkowita""",
-    "height": """height; specimen height; sample height; initial height; hohe; probenhohe; anfangshohe; altura;
-        altura de la probeta; hauteur; hauteur de l eprouvette; altezza; altezza del provino""",
-    "diameter": """diameter; specimen diameter; d0; durchmesser; probendurchmesser; diametro;
-        diametro de la probeta; diametre; diametre de l eprouvette; 直径; диаметр; srednica""",
-    "area": """area; specimen area; sample area; cross section; specimen cross section;
-        specimen cross sectional area; sample cross section; cross sectional area; cross section area;
-        initial area; s0; querschnitt; querschnittsflache; anfangsquerschnitt; probenquerschnitt; seccion;
-        area de la seccion; area inicial; seccion transversal; section; section initiale; aire; sezione;
-        area iniziale; secao; secao transversal; 断面積; площадь; doorsnede; przekroj; pole przekroju;
-        pole przekroju poprzecznego""",
-    "rate": COLUMNS["rate"],
-    "temperature": COLUMNS["temperature"] + "; " + COLUMNS["chamber"],
-    "direction": COLUMNS["direction"],
-    "specimen": COLUMNS["specimen"],
-    "cycle": "cycle; zyklus; ciclo",
-    "branch": "branch",
-    "stress sd": "stress sd",
-    "test": """test; test kind; test type; test method; method; test name; type of test; kind of test; prufung; prufart;
-        prufverfahren; prufvorschrift; prufnorm; versuch; versuchsart; ensayo; tipo de ensayo; metodo; metodo de
-        ensayo; essai; type d essai; methode; methode d essai; prova; tipo di prova; metodo di prova; ensaio;
-        tipo de ensaio; metodo de ensaio; standard; norm; norma; norme;
-        deney; test adi; 试验名称; 试验类型; 试验方法; 試験種類; 試験名""",
-}
-#: Settings that are known and change nothing: not worth a word.
-QUIET = """source; license; licence; material; fabric; operator; prufer; bearbeiter; tester; customer; kunde;
-        company; firma; date; datum; fecha; data; time; comment; comments; remark; note; title; name; file;
-        filename; machine; software; version; author; lot; batch; project; report; description; laboratory; lab"""
-
 #: What a test is called, by its kind: tried on words of names, settings and columns.
 TESTS: dict[str, str] = {
     "biaxial-general": "biaxial general; general biaxial",
@@ -346,19 +265,21 @@ TESTS: dict[str, str] = {
         equibiaxiale; biaxiale; biaxialer; biaxiaux; biassiale; inflation; bulge; cruciform; kreuzprobe; msaj;
         en 17117 1""",
     "simple-shear": """simple shear; einfache scherung; einfacher schub; lap shear; corte simple; cisaillement simple;
-        taglio semplice; cisalhamento simples; quad lap shear""",
+        taglio semplice; cisalhamento simples; quad lap shear; quadruple shear; quad shear; double lap shear;
+        iso 1827""",
     "shear": """shear; planar; planar tension; pure shear; planar shear; planarzug; reine scherung; corte puro;
         cisaillement pur; taglio puro; cisalhamento puro; wide strip; strip biaxial""",
     "confined-compression": "confined compression; oedometer; oedometric; eingespannte stauchung",
     "volumetric": "volumetric; volumetric compression; hydrostatic; volumetrisch; volumetrico; volumetrique",
     "compression": """compression; compressive; uniaxial compression; compression test; druckversuch; druck;
         druckprufung; stauchversuch; stauch; compresion; essai de compression; compressione; compressao; 压缩;
-        压缩试验; 圧縮; 圧縮試験; сжатие; basma testi; basma deneyi; drukproef; sciskanie; proba sciskania""",
+        iso 3386; iso 3386 1; iso 844; 压缩试验; 圧縮; 圧縮試験; сжатие; basma testi;
+        basma deneyi; drukproef; sciskanie; proba sciskania""",
     "uniaxial": """uniaxial; uniaxial tension; tension; tensile; tensile test; tensile testing; strip;
         strip test; strip method; bias extension; bias tension; zugversuch; zug; zugprufung; streifenzugversuch;
         streifenzug; traccion; ensayo de traccion; essai de traction; traction; trazione; prova di trazione;
         tracao; ensaio de tracao; strip tensile; iso 13934 1; iso 37; astm d412; iso 527; astm d5035;
-        iso 20932 1; en 14704 1; astm d638; astm d882; 拉伸; 拉伸试验; 単軸引張; 引張; 引張試験; растяжение;
+        iso 20932 1; en 14704 1; iso 1798; astm d638; astm d882; 拉伸; 拉伸试验; 単軸引張; 引張; 引張試験; растяжение;
         cekme testi; cekme deneyi; cekme; trekproef; rozciaganie; proba rozciagania""",
 }
 DIRECTIONS: dict[str, str] = {
@@ -369,7 +290,7 @@ DIRECTIONS: dict[str, str] = {
         langs; langsrichtung; urdimbre; columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
         cozgu; cozgu yonu; 经向; 経; たて; 经; ketting; kettingrichting; schering; osnowa; kierunek osnowy;
         wzdluz osnowy""",
-    "weft": """weft; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
+    "weft": """weft; width; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung;
         reihenrichtung; maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame;
         sens travers; rangee; fila; atki; atki yonu; 纬向; 緯; よこ; 纬; inslag; inslagrichting; watek;

@@ -6,10 +6,12 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hyperfab.errors import UsageError
+from hyperfab.errors import InputError, UsageError
+from hyperfab.io.cells import is_one_at_rest, shape
 from hyperfab.io.dictionary import fold, looked_up, plain
 from hyperfab.io.heading_words import COLUMNS
 from hyperfab.io.headings import KIND, Heading, beside, heading, is_of
+from hyperfab.io.rows import Row
 from hyperfab.io.units import is_unit
 
 _ASIDE = ("aside", "ignore", "none", "-")
@@ -155,3 +157,26 @@ def named(choice: Choice, head: Heading) -> Heading:
     if own is not None and kind == "dimensionless" and not is_of(own, kind):
         own = None  # Kanal 1 [V], said to be a stretch
     return Heading(head.title, choice.name, choice.unit or own, head.index)
+
+
+def headless(rows: Sequence[Row], sought: Sequence[str]) -> InputError:
+    """Return the error that no line names the columns, with what is ``sought``, of a test what its first readings
+    suggest."""
+    if sought:
+        return InputError(
+            "starts with numbers, there is no header",
+            line=rows[0][0],
+            remedy=f'name the columns, as in "{",".join(sought)}", or say what they are by number, whichever stands '
+            f"first: {filled_in([(str(k), one) for k, one in enumerate(sought, 1)])}",
+        )
+    columns = list(zip(*(cells for _, cells in rows if len(cells) == len(rows[0][1])), strict=True))
+    one, two = (*columns, ())[:2]
+    names = [("1", shape(one, stress=two)), ("2", "stress [MPa]")]
+    if names[0][1] != "stretch" and is_one_at_rest(two, one):
+        names = [("1", "stress [MPa]"), ("2", "stretch")]
+    return InputError(
+        "starts with numbers, there is no header",
+        line=rows[0][0],
+        remedy=f'name the columns, as in "stretch,stress [MPa]", or say what they are by number: {filled_in(names)} '
+        "(of a machine's own readings extension [mm] and force [N], whichever stands first)",
+    )

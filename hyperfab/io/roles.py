@@ -47,6 +47,8 @@ _STATES = (
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/min"), "mm/min"),
     ("rate", re.compile(r"(\d*\.?\d+) ?mm/s"), "mm/s"),
 )
+#: An angle beside words of directions.
+_ANGLED = re.compile(r"\d{1,3} ?(?:deg|°)?")
 #: How near, as a share of the way, each specimen of a table begins to where the first did, and the fewest rows of one.
 _AT_REST, _FEWEST_ROWS = 0.05, 3
 #: A word and a specimen's number behind it.
@@ -184,6 +186,7 @@ def roles(sheet: CsvSheet) -> Roles:
         key = what.name + {"2": " 2", "x": " x", "y": " y"}.get(what.axis, "")
         found.setdefault(key, []).append((what.rank, Column(key, made, what.compressive)))
     _by_the_letter_t(sheet, found, aside)
+    _of_directions(sheet, found, aside)
     _never_read(sheet, found, aside)
     _still_out(sheet, found, aside)
     _of_machine_or_gauge(sheet, found)
@@ -244,6 +247,21 @@ def _by_the_letter_t(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]]
 
 def _ends_in_t(column: Column, *symbols: str) -> bool:
     return plain(column.heading.label).replace(" ", "") in [f"{symbol}t" for symbol in symbols]
+
+
+def _of_directions(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:
+    """Take a column for the direction, if none is, whose cells are words of several, or of one where its title speaks
+    of directions, whatever it is called: ``dir``, ``Loading direction``."""
+    free = [head for head in sheet.headings if head.title in aside and not sheet.layout.choice(head, sheet.headings)]
+    for head in [] if "direction" in found else [*(one.heading for _, one in found.get("branch", [])), *free]:
+        ways = {_ANGLED.sub("", cell) and word_for(cell, "DIRECTIONS") for cell in {*sheet.columns[head.index]}}
+        told = len(ways) > 1 or "dir" in plain(head.title)
+        if not told or None in ways or not ways - {""} or sheet.layout.choice(head, sheet.headings):
+            continue
+        found["branch"] = [one for one in found.get("branch", []) if one[1].heading is not head]
+        aside[:] = [title for title in aside if title != head.title]
+        found["direction"] = [(0, Column("direction", head))]
+        return
 
 
 def _never_read(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside: list[str]) -> None:

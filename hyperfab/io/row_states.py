@@ -4,58 +4,28 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from hyperfab.arrays import Array, Ints
-from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
 from hyperfab.io.cells import is_clock
 from hyperfab.io.csv_numbers import numbers, quantities, seconds
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import plain, word_for
+from hyperfab.io.dictionary import word_for
 from hyperfab.io.headings import Heading, is_of
-from hyperfab.io.kinds_of_tests import names_of
 from hyperfab.io.role_words import no_unit
 from hyperfab.io.roles import Column, Roles
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
+from hyperfab.io.titles import DEGREES_OF, direction_told, in_name, temperature_told
 
-#: Degrees from the warp by the words of a direction.
-_DEGREES_OF = {**DIRECTIONS, "bias": 45.0}
-#: Words of a direction that mean another thing in a name.
-_UNSURE = (
-    "bias",
-    "diagonal",
-    "length",
-    "machine",
-    "fill",
-    "filling",
-    "cross",
-    "columna",
-    "columnas",
-    "fila",
-    "colonne",
-    "teia",
-)
-#: What one of these stands before is measured that way, not cut: transverse strain.
-_MEASURED = ("strain", "stretch", "contraction", "extension", "deformation", "dehnung", "gauge", "extensometer", "wave")
-#: An angle in a name, ``45deg`` or ``45 \u00b0``, but no temperature; strips are cut at multiples of 15.
-_ANGLE = re.compile(
-    r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
-)
-_CUT = 15
 #: A cycle and which part of it a machine was in: 1-Preload, 2-Stretch, 2-Recover; or its number behind a word: Cycle 2.
 _PART = re.compile(r"(\d{1,9}) ?[-_:] ?[^\W\d][\w ]*")
 _COUNTED = re.compile(
     r"(?:cycle|cycl|cyc|zyklus|ciclo|loop|c|n)[ _.:-]*(\d{1,9})|(\d{1,9})(?:st|nd|rd|th|\.)?(?: ?cycle)?", re.IGNORECASE
 )
-#: What makes the number of degrees beside it a temperature, or the angle of a peel or a bend: washed_60deg, 90deg peel.
-_BESIDE = r"(?:wash|bath|water|oven|temp|heat|cured|annealed|peel|bend|gewaschen|ofen|bad)[a-z]*"
-_DEGREES = r"\d{1,3}\s?(?:deg|\u00b0|grad)[a-z]*"
-_NO_CUT = re.compile(rf"(?<![a-z]){_BESIDE}(?: at)?[ -]*{_DEGREES}|{_DEGREES}[ -]{_BESIDE}")
 _SIDES = {"load": 1, "unload": -1}
 
 
@@ -64,14 +34,12 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     column = columns.columns.get("direction")
     if column is None:
         entry = stated(sheet, "direction")
-        titles = [one.value for one in sheet.metadata.get("test", []) if _in_name(one.value) == _DEGREES_OF["bias"]]
-        names = [*names_of(sheet.name), *titles]  # a bias extension test pulls at 45 degrees
-        value = next((told for told in map(_in_name, names) if told is not None), None)
+        value = direction_told(sheet) if entry is None else None
         if entry is not None:
             value = _direction(entry.value, None, sheet, entry.line) if entry.sure else _degrees(entry.value)
         if entry is None and value is None and "specimen" in columns.columns:
             named = held_down(words_or_stated(sheet, columns, "specimen"))
-            own = {name: _in_name(name or "") for name in named}
+            own = {name: in_name(name or "") for name in named}
             if None not in own.values():  # warp-1, warp-2, weft-1
                 return [own[name] for name in named]
         return [value] * len(sheet.lines)
@@ -83,38 +51,11 @@ def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
     return [known[text] for text in texts]
 
 
-def _in_name(name: str) -> float | None:
-    """Return the degrees from the warp that the name of a file or a sheet tells; none where it tells two of them.
-
-    A warp knit, a transverse strain, a machine and a temperature are none.
-
-    >>> _in_name("k9_weft-3"), _in_name("warp_knit"), _in_name("warp_weft"), _in_name("PET transverse 2")
-    (90.0, None, None, 90.0)
-    >>> _in_name("jersey_45deg_1"), _in_name("rib 45degC"), _in_name("vhb_20deg"), _in_name("foil machine direction")
-    (45.0, None, None, 0.0)
-    >>> _in_name("pull on the old machine"), _in_name("washed_60deg"), _in_name("washed 60deg_bias 45deg")
-    (None, None, 45.0)
-    >>> _in_name("Bias extension test"), _in_name("bias corrected")
-    (45.0, None)
-    """
-    found = set()
-    for word, after in pairwise([*plain(name).split(), ""]):
-        told = (word_for(f"{word} {after}", "DIRECTIONS") if after else None) or (
-            word_for(word, "DIRECTIONS") if word not in _UNSURE else None
-        )
-        if told and (told == "bias" or after not in _MEASURED) and not after.startswith(("knit", "wirk")):
-            found.add(_DEGREES_OF[told])
-    text = name.replace("_", " ").casefold()
-    angles = _ANGLE.findall(_NO_CUT.sub(" ", text))
-    found.update(float(angle) for angle in angles if int(angle) % _CUT == 0 and int(angle) < 180)
-    return found.pop() if len(found) == 1 else None
-
-
 def _degrees(text: str) -> float | None:
     """Return the angle from the warp that a word or a number tells, or None."""
     named = word_for(text, "DIRECTIONS")
     if named is not None:
-        return _DEGREES_OF[named]
+        return DEGREES_OF[named]
     match = re.fullmatch(
         r"(?:\u00b1|\+/-)?\s*([+-]?\d{1,3}(?:\.\d{1,6})?)\s*(?:deg|degrees|°|grad|grados|gradi|degres|graus)?",
         text.strip().casefold(),
@@ -193,6 +134,9 @@ def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]
     column = columns.columns.get("temperature") or columns.columns.get("chamber")
     if column is None:
         value = amount(sheet, "temperature", "temperature", decimal, notes)
+        if "temperature" not in sheet.metadata:  # the room is what a test is at where nothing else tells
+            value = temperature_told(sheet)
+            value = amount(sheet, "room temperature", "temperature", decimal, notes) if value is None else value
         return None if value is None else np.full(len(sheet.lines), value)
     if column.heading.unit is None:
         raise no_unit(sheet, column, columns, "temperature [degC]")

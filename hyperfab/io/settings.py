@@ -64,7 +64,6 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
     ``Zugversuch nach ISO 13934-1`` in a line by itself, states it.
     """
     found: dict[str, list[Entry]] = {}
-    of_room: list[Entry] = []
     for line, row in rows:
         cells = [part for cell in row for part in _parted(cell)]
         if len(alone := [cell for cell in cells if cell]) == 1:
@@ -72,6 +71,8 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
         title = [cell for cell in cells if cell]
         if _is_title(title) and (kind_named(title[0]) or unread(title[0])) is not None:
             found.setdefault("test", []).append(Entry(title[0], line, sure=False))
+        if _is_title(title):
+            found.setdefault("title", []).append(Entry(", ".join(title), line, sure=False))
         place = 0
         while place < len(cells):
             taken = _stated(cells, place)
@@ -86,10 +87,7 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
             if name == "direction" and kind_named(value) is not None:  # Direction: compression
                 name = "test"
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
-                found.setdefault(name, []).append(entry)
-                of_room += [entry] if plain(key) in words(_ROOM) else []
-    if of_room and (warm := [one for one in found["temperature"] if one not in of_room]):
-        found["temperature"] = warm  # what a test is made at goes before what the room is at
+                found.setdefault("room temperature" if plain(key) in words(_ROOM) else name, []).append(entry)
     return found
 
 

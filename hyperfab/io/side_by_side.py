@@ -154,12 +154,17 @@ def _under_titles(sheet: CsvSheet, one_axis: bool) -> list[CsvSheet] | None:
     groups: list[tuple[str, list[Heading]]] = []
     for head in sheet.headings:
         title = cells[head.index].strip() if head.index < len(cells) else ""
-        if title or not groups:
+        # A title may stand over each of its columns, as pandas writes it.
+        again = bool(groups) and title == groups[-1][0] and not fits(groups[-1][1])
+        if not groups or (title and not again):
             groups.append((title, []))
         if head.title.strip():
             alike = next(one for one in sheet.headings if plain(one.title) == plain(head.title))
             choice = sheet.layout.choice(alike, sheet.headings)
             groups[-1][1].append(head if choice is None else named(choice, head))
+    if all(read(head) is None for head in groups[0][1]):  # the numbers of the rows
+        groups = groups[1:]
+    one_axis = one_axis or len(groups) > 2
     axes = [_axis(title) for title, _ in groups]
     if not one_axis and axes in (["1", "2"], ["2", "1"]):
         along = [

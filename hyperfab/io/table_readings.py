@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.dictionary import Meaning, is_closing, plain, setting
-from hyperfab.io.heading_words import SETTINGS
 from hyperfab.io.headings import NUMBER_LIKE, Heading, heading, meaning, suffixed
 from hyperfab.io.rows import CELL, MAX_COLUMNS, SEPARATORS, Row
+from hyperfab.io.setting_words import SETTINGS
 from hyperfab.io.settings import settings
 from hyperfab.io.tables import Block, is_units, of_specimens
 
