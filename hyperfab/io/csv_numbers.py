@@ -13,7 +13,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-from hyperfab.io.cells import MOMENT, NO_READING, SPELLED
+from hyperfab.io.cells import MOMENT, NO_READING, SPELLED, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import COUNTED, Heading, unit_of
 from hyperfab.io.unit_table import UnitError
@@ -33,6 +33,9 @@ _GROUPED = {
 _MARKED = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d+)?", re.ASCII)
 _SPACES = re.compile(r"(?<=\d)[ \u00a0\u202f'](?=\d{3}(?:\D|$))", re.ASCII)
 _OTHER = {".": ",", ",": "."}
+
+#: A time that begins between these is a date of a spreadsheet, in days since 1900: 1954 to 2119.
+_DAYS = (2e4, 8e4)
 
 
 def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | None = None) -> str:
@@ -185,11 +188,15 @@ def quantities(
     if wanted.unit == "1" and heading.unit in (None, "-", "1") and _all_percent(sheet.columns[heading.index]):
         heading = replace(heading, unit="%")
     if heading.unit is None and wanted.unit != "1":
+        days = kind == "time" and any(
+            _DAYS[0] < one < _DAYS[1] for one in plain_values(sheet.columns[heading.index][:1])
+        )
+        unit = "d" if days else wanted.unit
         raise sheet.wrong(
             "has no unit",
             heading,
-            remedy=f'write it behind the name, as in "{heading.title} [{wanted.unit}]", or say '
-            + sheet.option([(heading.title, f"{name or heading.name} [{wanted.unit}]")]),
+            remedy=f'write it behind the name, as in "{heading.title} [{unit}]", or say '
+            + sheet.option([(heading.title, f"{name or heading.name} [{unit}]")]),
         )
     try:
         factor, offset = column_factor(heading.unit or "-", kind)
@@ -244,11 +251,14 @@ def _all_percent(cells: Sequence[str]) -> bool:
 def seconds(sheet: CsvSheet, heading: Heading) -> Array:
     """Return a column of times of day, durations or moments as seconds from its first row, past midnight too.
 
+    A column of several dates beside a clock without tells its days.
     Of two parts, 12:30, the first are hours or minutes as the title says (``mm:ss``, a unit ``min``) or other cells do.
 
     Raises InputError naming the cell that is none, or the first that counts up from 0:00 where nothing says which.
     """
     cells = sheet.columns[heading.index]
+    if (dates := beside_clock(sheet, heading)) is not None:
+        cells = [f"{day} {cell}" for day, cell in zip(sheet.columns[dates.index], cells, strict=True)]
     minutes_first: bool | None = None
     days_of = _days({match["date"] for cell in cells if (match := MOMENT.fullmatch(cell)) and match["date"]})
     found: list[float] = []
@@ -272,6 +282,22 @@ def seconds(sheet: CsvSheet, heading: Heading) -> Array:
     if not any("-" in cell or "/" in cell for cell in cells[:1]):
         moments = moments + 86400.0 * np.concatenate([[0.0], np.cumsum(np.diff(moments) < -43200.0)])
     return np.asarray(moments - moments[0])
+
+
+def beside_clock(sheet: CsvSheet, heading: Heading) -> Heading | None:
+    """Return the first column of dates, not all one day, beside one of times of day that have none, or None."""
+    if any((match := MOMENT.fullmatch(cell)) is None or match["date"] for cell in sheet.columns[heading.index]):
+        return None
+    for one in sheet.headings:
+        days = set(sheet.columns[one.index])
+        if len(days) > 1 and one.name != "aside" and all(_day_alone(day) for day in days):
+            return one
+    return None
+
+
+def _day_alone(cell: str) -> bool:
+    match = MOMENT.fullmatch(cell)
+    return match is not None and match["date"] is not None and match["m"] is None
 
 
 def _minutes_first(sheet: CsvSheet, heading: Heading) -> bool:

@@ -15,9 +15,9 @@ from hyperfab.errors import InputError
 from hyperfab.io import headings
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet
-from hyperfab.io.csv_numbers import quantities, seconds, settle_decimal
+from hyperfab.io.csv_numbers import beside_clock, quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import BRACKETS, Meaning, fold, reading
+from hyperfab.io.dictionary import BRACKETS, Meaning, fold, plain, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout
 from hyperfab.io.units import KINDS
@@ -30,7 +30,14 @@ _IN_THE_FILE = {
 }
 _P = ParamSpec("_P")
 #: How a logger makes one value of those it read since the last.
-_ONE_VALUE = re.compile(r"[ _](?:ave|avg|average|mean|last|mittel|mittelwert)\.?$", re.IGNORECASE)
+_ONE_VALUE = re.compile(r"[ _.](?:ave|avg|average|mean|last|mittel|mittelwert)\.?$", re.IGNORECASE)
+#: What reads a probe, with its number, before the name: 101 cup, PT100_cup, TC3 cup; and what names one in brackets.
+_READ_BY = re.compile(
+    r"^(?:(?:ch|tc|pt|ai|t|temp|rtd|thermocouple|sensor|probe|channel|kanal)\.?[ _]?)?\d{0,4}[ _:.-]+", re.I
+)
+_NAMED = re.compile(r"(?:^|, *)(?:lbl|label|name|tag) *[:=] *([^,]+)", re.IGNORECASE)
+#: Beyond so many seconds (three years) a time counts from an epoch, as Unix's: from its first row then, as a clock.
+_MOMENT = 1e8
 _OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
 
 
@@ -108,6 +115,8 @@ def read_table(
 
     Raises InputError with file, line and column.
 
+    Of columns that ``layout`` calls power the sum is taken.
+
     >>> table = read_table(b"strain [-];stress [kPa]\\n0;0\\n0,5;12,5\\n", "foam.csv",
     ...                    {"strain": "dimensionless", "stress": "stress"}, increasing="strain")
     >>> table["stress"]
@@ -118,6 +127,7 @@ def read_table(
         names = {one.name for one in heads} | {suffixed(one).name for one in heads}
         names |= {m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names}
         names |= {told for one in heads if (told := reading(suffixed(one).label)) is not None}
+        names |= {"time" for one in heads if plain(one.label) in ("date time", "datetime")}
         # Where none is due, a line of words above the table has none of them.
         return set(columns) <= names and (bool(columns) or len(names & {*(optional or {})}) > 1)
 
@@ -126,8 +136,13 @@ def read_table(
     sought = [_titled(column, kind) for column, kind in (columns or dict([*(optional or {}).items()][:4])).items()]
     sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
     wanted: dict[str, tuple[Heading, str]] = {}
+    added: list[Heading] = []  # what several heaters draw adds up
     for column, asked in {**columns, **(optional or {})}.items():
         kind = _kind(asked)
+        drawn = [one for one in sheet.headings if one.name == column and layout.choice(one, sheet.headings)]
+        if kind == "power" and len(drawn) > 1:
+            wanted[column], added = (drawn[0], kind), drawn[1:]
+            continue
         heading = sheet.find(column) or (_moments(sheet) if kind == "time" and column in columns else None)
         if heading is None and column in columns:
             raise _missing(sheet, column, columns, offered)
@@ -163,24 +178,32 @@ def read_table(
         choice = layout.choice(heading, sheet.headings)
         if choice is not None and choice.minus:
             values[column] = -values[column]
+    for column, (_, kind) in wanted.items():
+        if kind == "power":
+            values[column] = values[column] + sum(quantities(sheet, one, kind, mark, name=column) for one in added)
+        elif kind == "time" and len(values[column]) and abs(values[column][0]) > _MOMENT:
+            values[column] = values[column] - values[column][0]
     if increasing is not None:
         _check_increasing(sheet, wanted[increasing][0], values[increasing])
     metadata = {key: entries[0].value for key, entries in sheet.metadata.items()}
     lines = np.array(sheet.lines, dtype=np.int64)
-    unread = _unread(sheet, wanted)
+    clocks = [heading for heading, kind in wanted.values() if kind == "time"]
+    dates = [one for head in clocks if (one := beside_clock(sheet, head)) is not None]
+    unread = [one for one in _unread(sheet, wanted) if one not in (*dates, *added)]
     shares = tuple(one.title for one in unread if one.unit == "%")
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in unread), shares)
 
 
 def _called_by(head: Heading, called: Sequence[str]) -> str:
-    """Return which of the ``called`` a column is, where its title names one in brackets or before how the logger makes
-    one value of several (``101 <cup> (C)``, ``cup Ave. (°C)``); else its label."""
+    """Return which of the ``called`` a column is, where its title names one in brackets, behind what reads it or before
+    how the logger makes one value of several (``101 <cup> (C)``, ``PT100_cup``, ``cup Ave. (°C)``); else its label."""
     names = {fold(one): one for one in called}
     if fold(head.label) in names:
         return head.label
     inner = [part for parts in BRACKETS.findall(head.title) for part in parts if part]
+    inner += [told for part in inner for told in _NAMED.findall(part)]
     before = _ONE_VALUE.sub("", head.label)
-    found = {names[fold(one)] for one in (*inner, before) if fold(one) in names}
+    found = {names[fold(one)] for one in (*inner, before, _READ_BY.sub("", before)) if fold(one) in names}
     return found.pop() if len(found) == 1 else head.label
 
 
@@ -265,13 +288,16 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
     heads = ", ".join(heading.title or '""' for heading in sheet.headings[:8])
     kind, title = _kind(columns[column]), _titled(column, columns[column])
     perhaps = [
-        one.title.strip() or f"#{one.index + 1}"
+        (one.unit is None, one.index, one.title.strip() or f"#{one.index + 1}", f"{column} [{one.unit}]")
         for one in sheet.headings
         if one.name not in columns
         and (is_of(one.unit, kind) if one.unit is not None else meaning(one) != Meaning("aside"))
         and any(map(is_number, sheet.columns[one.index][:5]))
     ]
-    settles = f", or say which it is, as in {sheet.option([(perhaps[0], title)])}" if perhaps and offered else ""
+    settles = ""
+    if perhaps and offered:  # in its own unit, one that has one first
+        bare, _, likely, said = min(perhaps)
+        settles = f", or say which it is, as in {sheet.option([(likely, title if bare else said)])}"
     return sheet.wrong(f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}')
 
 

@@ -18,9 +18,10 @@ from hyperfab.io.csv_numbers import numbers
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import is_gauged, is_on_specimen
 from hyperfab.io.impossible import refuse_impossible
-from hyperfab.io.kinds_of_tests import TESTS, said, tests_of_rows
+from hyperfab.io.kinds_of_tests import TESTS, names_of, said, tests_of_rows
 from hyperfab.io.layout import PLAIN, Choice, Layout
 from hyperfab.io.loading import Loading, read_loading
+from hyperfab.io.named_tests import kind_named
 from hyperfab.io.other_tests import READINGS, RESULTS, is_result
 from hyperfab.io.phases import in_one
 from hyperfab.io.role_words import no_test, understood
@@ -85,7 +86,9 @@ def read_tests(
     sheets = []
     for sheet in open_sheets(data, name, fits, told):
         with placed(sheet.name):
-            kind = said(sheet, test)
+            kind = said(sheet, test) or next(
+                (one for one in map(kind_named, names_of(name)) if one == "uniaxial"), None
+            )
             parts = specimens(sheet, one_axis=kind is not None and not kind.startswith("biaxial"))
             if kind is None and len(parts) == 1 and may_be_specimens(sheet):
                 raise no_test(sheet, TESTS)

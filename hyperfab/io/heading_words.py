@@ -89,8 +89,8 @@ COLUMNS: dict[str, str] = {
         cisaillement; sforzo di taglio; tensione di taglio; tensao de cisalhamento; tensao cisalhante""",
     "stress sd": """stress sd; stress std; sd stress; std stress; stress stdev; standard deviation of stress; spannung
         sd; membrane stress sd""",
-    "time": """time; t; elapsed; elapsed time; test time; total time; running time; run time; time stamp;
-        timestamp; step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo;
+    "time": """time; t; elapsed; elapsed time; relative time; test time; total time; running time; run time;
+        time stamp; timestamp; step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo;
         tiempo de ensayo; tiempo transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova;
         tempo trascorso; tempo de ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время; sure; zaman;
         gecen sure; tijd; testtijd; czas; czas badania""",
@@ -288,12 +288,14 @@ DIRECTIONS: dict[str, str] = {
         sens machine; direccion de maquina; direzione macchina; walzrichtung; calendering; calender direction;
         calendering direction; kette; kettrichtung; in kettrichtung; kett; stabchenrichtung; maschenstabchen;
         langs; langsrichtung; urdimbre; columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
-        cozgu; cozgu yonu; 经向; 経; たて; 经; ketting; kettingrichting; schering; osnowa; kierunek osnowy;
+        cozgu; cozgu yonu; 经向; 経; たて; タテ; 経方向; たて方向;
+        タテ方向; 经; ketting; kettingrichting; schering; osnowa; kierunek osnowy;
         wzdluz osnowy""",
     "weft": """weft; width; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung;
         reihenrichtung; maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame;
-        sens travers; rangee; fila; atki; atki yonu; 纬向; 緯; よこ; 纬; inslag; inslagrichting; watek;
+        sens travers; rangee; fila; atki; atki yonu; 纬向; 緯; よこ; ヨコ; 緯方向; よこ方向;
+        ヨコ方向; 纬; inslag; inslagrichting; watek;
         kierunek watku; wzdluz watku""",
     "bias": """bias; bias extension; bias tension; bias direction; bias cut; bias strip; diagonal; diagonal direction;
         schrag; schragrichtung; diagonalrichtung; biais; sens biais; sesgo; al sesgo; sbieco; vies""",

@@ -241,7 +241,8 @@ def heading(title: str, index: int) -> Heading:
         return Heading(title, label, units[chosen] or inner[chosen] or "-", index)
     label = _bare(text) if groups else text
     first, _, last = label.rpartition(" ")
-    if last in ("%", "°C", "°F", "‰") and is_known(first):
+    probe = last in ("°C", "°F") and not re.search(r"(?:^| )[\d.,]+$", first)  # cup °C, but no Stress 20 °C
+    if first and (probe or (last in ("%", "°C", "°F", "‰") and is_known(first))):
         return Heading(title, first, last, index)
     if is_known(first) and first[-1] not in "/," and not is_known(label) and (unit := unit_of(last)):
         kinds = [KIND.get(made.name) for one in looked_up(plain(first)) if (made := in_unit(one, unit))]

@@ -25,6 +25,8 @@ _CLOSED = re.compile(r'[^"]*"\s*(?:[,;\t|]|$)')
 _FORMULA = re.compile(r'(^|[,;\t|])="([^"]*)"')
 #: A number as Fortran writes doubles: 1.25D-01.
 _FORTRAN = re.compile(r"(?<!\w)([+-]?\d*[.,]\d*)[dD]([+-]\d{1,3})\b")
+#: A sign set apart from its number, as recorders pad it: +    26.5.
+_APART = re.compile(r"(^|[,;\t])( *[+-]) +(?=\d)")
 _WIDE_GAP = re.compile(r" *\t[\t ]*| {2,}")
 
 
@@ -36,6 +38,8 @@ def lines_of(text: str) -> list[str]:
     lines = text.split("\n")
     if "D+" in text or "D-" in text or "d+" in text or "d-" in text:
         lines = [_FORTRAN.sub(r"\1E\2", line) if len(line) <= MAX_LINE else line for line in lines]
+    if "+ " in text:
+        lines = [_APART.sub(r"\1\2", line) if len(line) <= MAX_LINE else line for line in lines]
     if '"' in text:
         lines = _whole([_FORMULA.sub(r'\1"\2"', line) for line in lines] if '="' in text else lines)
     if max(map(len, lines)) > MAX_LINE:

@@ -19,7 +19,7 @@ SIZES = (
     "extensometer length",
 )  # fmt: skip
 #: A title with such a word names a test; others, as ``shear modulus``, may be a setting's.
-_OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung|proef)\b|\b(ensayo|essai|prova|ensaio|proba)\b")
+_OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung|proef)\b|试验|試験|\b(ensayo|essai|prova|ensaio|proba)\b")
 #: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
 _BETWEEN = re.compile(r";|, ")
 #: A setting under its group, in a cell of its own: Specimen properties : Width.

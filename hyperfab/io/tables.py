@@ -157,6 +157,8 @@ def _head(
     of_channels = _units_of_channels([cells for _, cells in rows[max(start - _ABOVE, 0) : start]], width)
     options: list[tuple[tuple[bool, int, int, int], int, tuple[Heading, ...]]] = []
     for place in range(min(len(above), 3)):
+        if is_recorders(rows[above[place]][1]):
+            continue
         below = [k for k in above[:place] if is_units(rows[k][1])]
         for units in below or (None, *above[place + 1 : place + 2]):
             if units is not None and not is_units(rows[units][1]):
@@ -261,15 +263,22 @@ def headings(titles: Sequence[str], layout: Layout) -> tuple[Heading, ...]:
     return tuple(one if choice is None else named(choice, one) for one, choice in zip(made, chosen, strict=True))
 
 
+def is_recorders(cells: Sequence[str]) -> bool:
+    """Whether a row of units is a recorder's, which says again in it what has none: ``NO., Time, ms, degC, A123``."""
+    return len(cells) > 2 and plain(cells[0]) == "no" and sum(unit_of(cell) is not None for cell in cells[1:]) > 1
+
+
 def is_units(cells: Sequence[str]) -> bool:
     """Whether a row below a head holds units: each cell one or empty, at least one real.
 
     A channel beside them may be in a unit that is none of ours, a word no column is called, and a clock's may say how
     its cells are written.
 
-    >>> is_units(["hh:mm:ss", "degC"]), is_units(["hh:mm:ss", "plate"])
-    (True, False)
+    >>> is_units(["hh:mm:ss", "degC"]), is_units(["hh:mm:ss", "plate"]), is_units(["NO.", "Time", "ms", "degC"])
+    (True, False, True)
     """
+    if is_recorders(cells):
+        cells = [cell if unit_of(cell) else "" for cell in cells]
     bare = ["" if _is_clock(cell) else cell for cell in _bare(cells)]
     if any(is_number(cell) for cell in bare) and not any(unit_of(cell) for cell in bare if not is_number(cell)):
         return False

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from itertools import pairwise
 from typing import TypeVar
+from unicodedata import normalize
 
 from hyperfab.curve import DIRECTIONS
 from hyperfab.errors import InputError
@@ -139,7 +140,7 @@ def warmth(name: str) -> float | None:
     >>> warmth("K7_3C"), warmth("washed 60 °C"), warmth("23-105C"), warmth("100 C at 80 C"), warmth("50C/50P")
     (None, None, None, None, None)
     """
-    text = re.sub(r"\bT ?= ?(?=\d)|\bT(?=\d)", " ", name.replace("_", " "))
+    text = re.sub(r"\bT ?= ?(?=\d)|\bT(?=\d)", " ", normalize("NFKC", name).replace("_", " "))
     found = set()
     for match in _WARM.finditer(_NO_TEST.sub(" ", text)):
         value = float(match[1].replace(",", ".").replace("\u2212", "-"))

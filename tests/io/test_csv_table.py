@@ -422,3 +422,79 @@ def test_a_table_that_a_document_names_is_told_no_option(data: bytes, said: str)
     head = data.replace(b"1,250", b"1,2500")
     if head != data:  # and what it says helps
         assert read_table(head, "film.csv", FILM)["h"].tolist() == [1.25, 2.25]
+
+
+@pytest.mark.parametrize(
+    ("days", "clock"),
+    [(("01.03.2024", "02.03.2024", "03.03.2024"), ("09:00:00", "10:00:00", "09:00:00")),
+     (("3/1/2024", "3/2/2024", "3/3/2024"), ("9:00 AM", "10:00 AM", "9:00 AM"))],
+)  # fmt: skip
+def test_a_column_of_dates_tells_the_days_of_the_clock_beside_it(days: tuple[str, ...], clock: tuple[str, ...]) -> None:
+    """A day between two rows was an hour, without a word but that the dates were not used."""
+    rows = "".join(f"{day},{time},{t}\n" for day, time, t in zip(days, clock, (22, 80, 30), strict=True))
+    table = read_table(f"Date,Time,T1 [degC]\n{rows}".encode(), "t.csv", {"time": "time"}, rest="temperature")
+    assert table["time"].tolist() == [0.0, 90000.0, 172800.0]
+    assert table.aside == ()
+    # One day throughout is that of the start: past midnight the clock tells the next by itself.
+    text = "Date;Time;T1 [degC]\n1.3.2024;23:59:00;20\n1.3.2024;00:01:00;21\n"
+    assert read_table(text.encode(), "t.csv", {"time": "time"}, rest="temperature")["time"].tolist() == [0.0, 120.0]
+
+
+@pytest.mark.parametrize("head", ["Time [d]", "unix_time", "unix time"])
+def test_a_time_that_counts_from_an_epoch_begins_with_its_first_row(head: str) -> None:
+    first, step = (45356.5, 1.0 / 1440.0) if "d" in head else (1709678472.0, 60.0)
+    text = f"{head},T1 [degC]\n" + "".join(f"{first + k * step:.7f},{20 + k}\n" for k in range(3))
+    table = read_table(text.encode(), "t.csv", {"time": "time"}, rest="temperature")
+    assert table["time"] == pytest.approx([0.0, 60.0, 120.0], abs=0.01)
+
+
+def test_a_date_of_a_spreadsheet_is_asked_for_in_days() -> None:
+    text = b"Time,T1 [degC]\n45356.5,20\n45356.6,21\n"
+    with pytest.raises(InputError, match=r'"Time=time \[d\]"'):
+        read_table(text, "t.csv", {"time": "time"}, rest="temperature", layout=PLAIN)
+
+
+@pytest.mark.parametrize(
+    "titles",
+    [
+        ("101 cup (C)", "102 base (C)"),
+        ("PT100_cup_degC", "PT100_base_degC"),
+        ("cup.Avg [degC]", "base.Mean [degC]"),
+        ('"Temp, °C (LGR S/N: 1, SEN S/N: 2, LBL: cup)"', '"Temp, °C (LGR S/N: 1, SEN S/N: 3, LBL: base)"'),
+        ("cup °C", "TC 4: base °C"),
+    ],
+)
+def test_a_probe_is_known_behind_what_reads_it_and_by_its_label(titles: tuple[str, str]) -> None:
+    """HOBO's two columns were both called Temp and refused; the others had to be named by hand."""
+    text = f"Time [s],{','.join(titles)}\n0,20,21\n60,30,31\n"
+    table = read_table(text.encode(), "t.csv", {"time": "time"}, rest="temperature", called=("cup", "base"))
+    assert [*table.columns] == ["time", "cup", "base"]
+    # A set point is no probe.
+    text = "Time [s],cup set (C)\n0,20\n60,30\n"
+    assert "cup" not in read_table(text.encode(), "t.csv", {"time": "time"}, rest="temperature", called=("cup",))
+
+
+def test_a_recorder_sets_signs_apart_and_says_again_what_has_no_unit() -> None:
+    rows = "".join(f"{k},2024/03/05 23:41:{12 + k},000,+     {21 + k}.8,-      3.5,LLLL\n" for k in range(3))
+    text = f"Model,GL\n\nData\nNumber,Date&Time,ms,CH1,CH2,Alarm1-10\nNO.,Time,ms,degC,degC,A1234567890\n{rows}"
+    table = read_table(text.encode(), "t.csv", {"time": "time"}, rest="temperature", layout=PLAIN)
+    assert table["time"].tolist() == [0.0, 1.0, 2.0]
+    assert table["CH1"].tolist() == [21.8, 22.8, 23.8]
+    assert table["CH2"].tolist() == [-3.5, -3.5, -3.5]
+
+
+def test_what_several_heaters_draw_adds_up_where_it_is_called_power() -> None:
+    text = b"time [s],T [degC],P1 (W),P2 (kW)\n0,20,100,0.2\n60,30,50,0\n"
+    told = layout(["P1 (W)=power [W],P2 (kW)=power [kW]"], own=("power",))
+    table = read_table(text, "t.csv", {"time": "time"}, optional={"power": "power"}, rest="temperature", layout=told)
+    assert table["power"].tolist() == [300.0, 50.0]
+    assert table.aside == ()
+
+
+def test_the_option_that_is_shown_for_a_column_has_its_own_unit() -> None:
+    """Of a depth in inches the option said mm: pasted, it made 25 mm of 1."""
+    with pytest.raises(InputError, match=r'--columns "Extension \(in\)=depth \[in\]"'):
+        read_table(
+            b"Specimen,Extension (in),Load (lbf)\n1,0,0\n1,0.5,2\n", "b.csv", {"depth": "length", "force": "force"},
+            layout=PLAIN,
+        )  # fmt: skip

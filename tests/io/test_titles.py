@@ -27,6 +27,8 @@ def told(found: TestData) -> tuple[float | None, float | None]:
         ("Knit K7 WALE @ 176 °F", (0.0, 80.0)),
         ("# Uniaxial tension of a knit (K7), wale direction, 23 degC.", (0.0, 23.0)),
         ("Specimen label;K7 weft 2", (90.0, None)),
+        ("引張試験 ニット タテ方向 23℃", (0.0, 23.0)),
+        ("拉伸试验;纬向;温度 80℃", (90.0, 80.0)),
         ("Tensile test of a warp knitted fabric, washed at 60 °C", (None, None)),
         ("Tensile test, textile course 3, weft yarn 78 dtex", (None, None)),
         ("Strip test 10 K/min, 100 C and 80 C", (None, None)),
@@ -105,3 +107,8 @@ def test_foams_are_sheared_and_pressed_by_their_standards() -> None:
     kinds = ("ISO 1827 quadruple shear", "ISO 3386-1", "ISO 1798")
     assert [named_test(one).kind for one in kinds if named_test(one)] == ["simple-shear", "compression", "uniaxial"]  # type: ignore[union-attr]
     assert read(f"Direction;width\n{BELOW}")[0].direction == 90.0
+
+
+def test_columns_of_two_directions_in_a_file_called_uniaxial_are_of_two_specimens() -> None:
+    found = read("Strain [-];Wale stress [MPa];Course stress [MPa]\n0;0;0\n0.1;2;1\n0.2;5;3\n", "uniaxial K7.csv", None)
+    assert [(one.mode, one.direction) for one in found] == [("uniaxial", 0.0), ("uniaxial", 90.0)]

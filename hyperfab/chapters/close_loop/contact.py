@@ -45,6 +45,8 @@ from hyperfab.membrane.sphere_contact import SphereTest, rough_path
 _KNOTS, _MESH, _ORDER = 12, 0.16, 1
 #: How far an added prestretch and the friction may go.
 _MOST_STRETCH, _MOST_FRICTION = 0.10, 0.8
+#: How much a clamp may give [mm2/N], as --rim-slip: of a depth of next to nothing the sheet's tension says no end.
+_MOST_SLIP = 1e4
 #: How much larger or smaller a sphere may be than is stated, and how near to the clamp: shares of it.
 _LARGER, _CLEAR = 0.15, 0.94
 _ROOM_TEMPERATURE = 23.0
@@ -126,7 +128,7 @@ def pose_sheet(
     tension = float(base[-1] * knots[-1]) / (2.0 * np.pi * 0.5 * test.outline.reach)
     # From the model on: taut or slacker where the model is taut already.
     down = min(test.prestretch - 1.0, 0.05) if test.prestretch > 1.0 else 0.0
-    slips = 0.06 * test.outline.reach / max(tension, 1e-9)
+    slips = min(0.06 * test.outline.reach / max(tension, 1e-9), _MOST_SLIP)
     sticks = isinstance(test.friction, Stick)
     # Down to none: a test may tell that its punch was oiled.
     coefficient = test.friction.coefficient if isinstance(test.friction, Coulomb) else 0.0

@@ -76,7 +76,8 @@ def run(job: Job, given: Given) -> int:
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
             file=given.case.model,
             key="heater.control",
-            remedy="add what the heaters drew to the thermocouples, as a column power [W], or give it as "
+            remedy="add what the heaters drew to the thermocouples, as a column power [W] (several that --columns "
+            "calls so are added up), or give it as "
             'schedule = "power.csv" in place of control' + _as_share(read.shares, rated, given.layout),
         )
     drawn = _seen(document, read)

@@ -172,7 +172,7 @@ def _likely(table: Table) -> list[tuple[str, str]]:
             found.setdefault(name, one)
     bare = [(one.title, "pressure [MPa]") for one in heads[-1:] if one.unit is None]
     told = [(one, name) for one in heads for name, other in found.items() if other is one]
-    return [(one.title, f"{name} [{one.unit}]") for one, name in told] or bare
+    return [(one.title, f"{name} [{one.unit or 'mm'}]") for one, name in told] or bare
 
 
 def _time(table: Table) -> Array | None:
