@@ -28,6 +28,8 @@ _IN_PROSE = ("course", "courses", "md", "cd", "xd", "td", "rd", "quer", "langs",
 #: What one of these stands before is measured that way, not cut: transverse strain; or is of the yarn or the cloth.
 _MEASURED = ("strain", "stretch", "contraction", "extension", "deformation", "dehnung", "gauge", "extensometer", "wave")
 _OF_CLOTH = ("knit", "wirk", "yarn", "thread", "rib", "garn", "faden", "inser", "count", "densit", "beam", "effect")
+#: What turns a direction into the other.
+_TURNED = {"zur", "across", "perpendicular", "senkrecht"}
 #: An angle in a name, ``45deg`` or ``45 \u00b0``, but no temperature; strips are cut at multiples of 15.
 _ANGLE = re.compile(
     r"(?<![\d.,])(\d{1,3})\s?(?:deg(?:rees?)?|\u00b0|grad|graden|grados|gradi|degres|graus)(?!\s?[cfk]\b|[a-z])"
@@ -38,21 +40,28 @@ _BESIDE = r"(?:wash|bath|water|oven|temp|heat|cured|annealed|peel|bend|gewaschen
 _DEGREES = r"\d{1,3}\s?(?:deg|\u00b0|grad)[a-z]*"
 _NO_CUT = re.compile(rf"(?<![a-z]){_BESIDE}(?: at)?[ -]*{_DEGREES}|{_DEGREES}[ -]{_BESIDE}")
 #: How warm a test was, ``105C``, ``-20 \u00b0C``, ``176 \u00b0F``: a bare C of two figures or more, for ``3C`` numbers
-#: a specimen; no end of a range.
+#: a specimen.
 _WARM = re.compile(
-    r"(?<![\w.,])(?<!\d[-\u2013/])((?:(?<![^ ])[-\u2212])?\d{1,3}(?:[.,]\d{1,2})?) ?"
+    r"(?<![\w.,/])((?:(?<![^ ])[-\u2212])?\d{1,3}(?:[.,]\d{1,2})?) ?"
     r"(?:(?:\u00b0|[dD]eg(?:rees)?\.?|[gG]rad) ?([CF])|(?<=\d\d)(C)|(?<=\d\d )(C))(?![\w%/])"
 )
 #: Below this a bare C behind a number is one of a specimen.
 _BARE = 15.0
 #: What was done to the cloth before, at the temperature beside it.
 _DONE = (
-    r"(?:wash|dri|dry|bath|water|oven|cur|anneal|age|aging|set|mold|mould|press|iron|steam|dye|fix|treat|heat|melt"
+    r"(?:wash|dri|dry|bath|water|oven|cur|anneal|age|aging|set|mold|mould|press|iron|steam|dye|fix|treat|heat|melt|lamin|bond"
     r"|gewasch|ofen|getrock|gealtert|geb\u00fcgelt|lav|sec|s\u00e9ch|tein|trat)[^\W\d]*"
 )
 _NO_TEST = re.compile(
     rf"\b{_DONE}(?:[ :=-]|at|bei|a|\u00e0|@)*{_WARM.pattern}|{_WARM.pattern}[ -]{_DONE}", re.IGNORECASE
 )
+#: Where a range begins, 25 to 150 \u00b0C, and what a bare C behind a number is a name of.
+_RANGE = re.compile(
+    r"(?<![\w.])\d+(?:[.,]\d+)?[ \u00b0C]*(?:[-\u2013/]|\b(?:to|bis|a|\u00e0)\b) ?(?=\d+ ?\u00b0? ?[CF]\b)"
+)
+_NUMBERED = re.compile(r"\b((?:sample|specimen|lot|batch|probe|nr|no|cotton)\.? ?)(?=\d+ ?C\b)", re.IGNORECASE)
+#: What brackets hold is of the cloth, as (elastane weft), where it is no direction by itself nor an angle.
+_REMARK = re.compile(r"[(\[](?![^()\[\]]*(?:\u00b0|deg))([^()\[\]]*)[)\]]")
 _T = TypeVar("_T")
 
 
@@ -105,7 +114,10 @@ def in_name(name: str, prose: bool = False) -> float | None:
     (45.0, None)
     """
     found = set()
-    for word, after in pairwise([*plain(name).split(), ""]):
+    words = plain(name).split()
+    if prose and not _TURNED.isdisjoint(words):
+        return None
+    for word, after in pairwise([*words, ""]):
         unsure = word in _UNSURE or (prose and word in _IN_PROSE and "dire" not in after)
         told = (word_for(f"{word} {after}", "DIRECTIONS") if after else None) or (
             word_for(word, "DIRECTIONS") if not unsure else None
@@ -126,7 +138,10 @@ def in_title(line: str) -> float | None:
     (90.0, 90.0)
     >>> in_title("Strip test - MD"), in_title("Textile testing course 3"), in_title("Strip of a warp knitted net")
     (0.0, None, None)
+    >>> in_title("Stretch denim (elastane weft)"), in_title("Dehnung quer zur Kette, Probe 3")
+    (None, None)
     """
+    line = _REMARK.sub(lambda one: one[0] if word_for(one[1], "DIRECTIONS") or "dir" in one[1] else " ", line)
     parts = [part for part in re.split(r"[,;:()\[\]|@]|\s[-\u2013\u2014/]\s", line) if part.strip()]
     found = {told for part in parts if (told := in_name(part, prose=len(part.split()) > 2)) is not None}
     return found.pop() if len(found) == 1 else None
@@ -137,10 +152,13 @@ def warmth(name: str) -> float | None:
 
     >>> warmth("K7_course_105C_01"), warmth("Knit K7 WALE @ 176 °F"), warmth("warp_-20degC"), warmth("warp-23C")
     (105.0, 80.0, -20.0, 23.0)
+    >>> warmth("K7-105C-weft"), warmth("Sample 25C"), warmth("25 to 150 °C"), warmth("Sample 2, 25 °C")
+    (105.0, None, None, 25.0)
     >>> warmth("K7_3C"), warmth("washed 60 °C"), warmth("23-105C"), warmth("100 C at 80 C"), warmth("50C/50P")
     (None, None, None, None, None)
     """
     text = re.sub(r"\bT ?= ?(?=\d)|\bT(?=\d)", " ", normalize("NFKC", name).replace("_", " "))
+    text = _NUMBERED.sub(r"\1x", _RANGE.sub("x", text))
     found = set()
     for match in _WARM.finditer(_NO_TEST.sub(" ", text)):
         value = float(match[1].replace(",", ".").replace("\u2212", "-"))
