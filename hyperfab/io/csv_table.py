@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import ParamSpec
 
@@ -135,6 +135,7 @@ def read_table(
     layout = layout or PLAIN
     sought = [_titled(column, kind) for column, kind in (columns or dict([*(optional or {}).items()][:4])).items()]
     sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
+    sheet = _a_column_each(sheet, called, rest) if rest is not None and gaps else sheet
     wanted: dict[str, tuple[Heading, str]] = {}
     added: list[Heading] = []  # what several heaters draw adds up
     for column, asked in {**columns, **(optional or {})}.items():
@@ -192,6 +193,33 @@ def read_table(
     unread = [one for one in _unread(sheet, wanted) if one not in (*dates, *added)]
     shares = tuple(one.title for one in unread if one.unit == "%")
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in unread), shares)
+
+
+def _a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet:
+    """Return a log with a row for each reading, whose probe a column names, as one with a column for each probe."""
+    clock = sheet.find("time") or _moments(sheet)
+    known = {fold(one): one for one in called}
+    cells = {one.index: {*map(fold, sheet.columns[one.index])} for one in sheet.headings}
+    told = [one for one in sheet.headings if len(cells[one.index] & {*known}) > 1]
+    read = [one for one in map(suffixed, sheet.headings) if one.unit is not None and is_of(one.unit, rest)]
+    if clock is None or len(told) != 1 or len(read) != 1 or read[0].index == told[0].index:
+        return sheet
+    names = {one: probe for one, probe in known.items() if one in cells[told[0].index]}
+    rows: dict[str, dict[str, str]] = {}
+    first: list[int] = []
+    beside = (sheet.columns[one.index] for one in (clock, told[0], read[0]))
+    for line, time, probe, cell in zip(sheet.lines, *beside, strict=True):
+        first += [] if time in rows else [line]
+        there = rows.setdefault(time, {})
+        if fold(probe) not in names or fold(probe) in there:
+            return sheet  # one that nobody knows, or read twice at once
+        there[fold(probe)] = cell
+    heads = [
+        replace(clock, index=0),
+        *(Heading(names[one], names[one], read[0].unit, k + 1) for k, one in enumerate(names)),
+    ]
+    columns = ([*rows], *([there.get(one, "") for there in rows.values()] for one in names))
+    return replace(sheet, headings=tuple(heads), columns=columns, lines=first)
 
 
 def _called_by(head: Heading, called: Sequence[str]) -> str:

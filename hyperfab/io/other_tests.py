@@ -20,6 +20,8 @@ _UNREAD = {
     "ball burst; ball burst test; ball penetration; ball penetration test; puncture; puncture test":
         "a sheet under a ball is of hf close-loop with the document of hf fabric-contact; "
         "hf fit takes strips and biaxial tests",
+    "loop; looped; loop test; looped specimen; looped specimens; loop specimen; loop specimens; astm d4964; d4964":
+        "a loop pulls two layers at once, so that --width is twice that of the strip",
 }  # fmt: skip
 #: Words of a test in which a pressure bulges a sheet.
 _BULGES = "bulge; bulging; bubble; inflation; inflated; pole; apex; dome; berstdruck; wolbung; wolbhohe; polhohe"

@@ -19,7 +19,7 @@ from hyperfab.io.role_words import no_unit
 from hyperfab.io.roles import Column, Roles
 from hyperfab.io.specimen import Geometry
 from hyperfab.io.stated import amount, stated
-from hyperfab.io.titles import DEGREES_OF, direction_told, in_name, temperature_told
+from hyperfab.io.titles import DEGREES_OF, direction_told, in_name, temperature_told, warmth
 
 #: A cycle and which part of it a machine was in: 1-Preload, 2-Stretch, 2-Recover; or its number behind a word: Cycle 2.
 _PART = re.compile(r"(\d{1,9}) ?[-_:] ?[^\W\d][\w ]*")
@@ -136,6 +136,10 @@ def _temperature(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]
         value = amount(sheet, "temperature", "temperature", decimal, notes)
         if "temperature" not in sheet.metadata:  # the room is what a test is at where nothing else tells
             value = temperature_told(sheet)
+            named = held_down(words_or_stated(sheet, columns, "specimen")) if "specimen" in columns.columns else []
+            own = {name: warmth(name or "") for name in named}
+            if value is None and own and None not in own.values():  # wale_80C_1, wale_23C_1
+                return np.array([own[name] for name in named], dtype=float)
             value = amount(sheet, "room temperature", "temperature", decimal, notes) if value is None else value
         return None if value is None else np.full(len(sheet.lines), value)
     if column.heading.unit is None:

@@ -498,3 +498,20 @@ def test_the_option_that_is_shown_for_a_column_has_its_own_unit() -> None:
             b"Specimen,Extension (in),Load (lbf)\n1,0,0\n1,0.5,2\n", "b.csv", {"depth": "length", "force": "force"},
             layout=PLAIN,
         )  # fmt: skip
+
+
+def test_a_log_with_a_row_for_each_reading_has_a_column_for_each_probe() -> None:
+    """It was refused as going back in time, to be sorted."""
+    rows = "".join(
+        f"2024-03-05T23:41:{k:02d},{one},{20 + k + d}\n" for k in range(3) for d, one in enumerate(("cup", "Base"))
+    )
+    text = f"timestamp,sensor,value_C\n{rows}2024-03-05T23:41:09,cup,29\n"
+    read = {"rest": "temperature", "called": ("cup", "base", "rim"), "gaps": True}
+    table = read_table(text.encode(), "t.csv", {"time": "time"}, **read)  # type: ignore[arg-type]
+    assert [*table.columns] == ["time", "cup", "base"]
+    assert table["time"].tolist() == [0.0, 1.0, 2.0, 9.0]
+    assert table["cup"].tolist() == [20.0, 21.0, 22.0, 29.0]
+    assert table["base"][:3].tolist() == [21.0, 22.0, 23.0]
+    assert math.isnan(table["base"][3])
+    with pytest.raises(InputError, match="does not follow"):
+        read_table(text.replace("Base", "lid").encode(), "t.csv", {"time": "time"}, increasing="time", **read)  # type: ignore[arg-type]

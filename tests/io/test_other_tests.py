@@ -25,6 +25,7 @@ def read(text: str, **options: object) -> list[TestData]:
         ("Trellis frame test, PES weave", "a strip cut at 45 degrees"),
         ("Peel test", "no stress of the sheet"),
         ("Test;Tear strength", "no stress of the sheet"),
+        ("ASTM D4964 CRE (looped specimen)", "--width is twice that of the strip"),
         ("Ball burst, ASTM D6797", "hf close-loop with the document of hf fabric-contact"),
     ],
 )

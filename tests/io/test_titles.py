@@ -112,3 +112,13 @@ def test_foams_are_sheared_and_pressed_by_their_standards() -> None:
 def test_columns_of_two_directions_in_a_file_called_uniaxial_are_of_two_specimens() -> None:
     found = read("Strain [-];Wale stress [MPa];Course stress [MPa]\n0;0;0\n0.1;2;1\n0.2;5;3\n", "uniaxial K7.csv", None)
     assert [(one.mode, one.direction) for one in found] == [("uniaxial", 0.0), ("uniaxial", 90.0)]
+
+
+def test_names_of_specimens_tell_the_temperature_where_all_do() -> None:
+    rows = "".join(
+        f"{name};{x};{y}\n" for name in ("wale_80C_1", "wale_23C_1") for x, y in ((0, 0), (0.1, 1), (0.2, 3))
+    )
+    found = read(f"specimen;strain [-];stress [MPa]\n{rows}")
+    assert [told(one) for one in found] == [(0.0, 80.0), (0.0, 23.0)]
+    [*_, last] = read(f"specimen;strain [-];stress [MPa]\n{rows.replace('23C', 'x')}")
+    assert told(last) == (0.0, None)
