@@ -26,6 +26,8 @@ _KNOWN = {
     "operator", "machine", "note", "comment", "material", "standard", "preload", "sample", "title", "name", "license",
     "doi", "year", "specimen length", "height",
 }  # fmt: skip
+#: How warm a room is [degC], and how far from that a test was warmed or cooled.
+_ROOM = (23.0, 5.0)
 #: So many places are named one by one; the others are counted.
 SHOWN = 4
 #: Beyond these temperatures [degC] no fabric is tested or used: more often a wrong unit than a wish.
@@ -53,7 +55,13 @@ def remarks(tests: Sequence[TestData], silent: Collection[str]) -> list[str]:
         ):
             if doubt.kind not in silent:
                 found.setdefault(doubt.kind, []).append((test, doubt))
-    return [*_cut_anyhow(tests), *_twins(tests), *_odd_warmth(tests), *(_said(group) for group in found.values())]
+    return [
+        *_cut_anyhow(tests),
+        *_warm_anyhow(tests),
+        *_twins(tests),
+        *_odd_warmth(tests),
+        *(_said(group) for group in found.values()),
+    ]
 
 
 def per_width(tests: Sequence[TestData], remedy: str) -> bool:
@@ -101,6 +109,18 @@ def _cut_anyhow(tests: Sequence[TestData]) -> Iterator[str]:
         yield (
             f"{named(names)}: {why}, beside {told.direction_name} in {told.source}; say how it was cut, as in a line "
             '"# direction: warp" (weft, degrees from the warp), or in the title of its columns'
+        )
+
+
+def _warm_anyhow(tests: Sequence[TestData]) -> Iterator[str]:
+    """Tests that tell no temperature beside others of one that is far from a room's: they count for every one."""
+    told = {float(np.median(one.temperature_degC)): one for one in tests if one.temperature_degC is not None}
+    names = [test.source for test in tests if test.temperature_degC is None]
+    farthest = max(told, key=lambda warm: abs(warm - _ROOM[0]), default=_ROOM[0])
+    if names and abs(farthest - _ROOM[0]) > _ROOM[1]:
+        yield (
+            f"{named(names)}: no temperature is told, beside {farthest:g} degC in {told[farthest].source}; say how "
+            'warm it was, as in a line "# temperature: 23 degC"'
         )
 
 

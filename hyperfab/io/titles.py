@@ -62,6 +62,7 @@ _RANGE = re.compile(
 _NUMBERED = re.compile(r"\b((?:sample|specimen|lot|batch|probe|nr|no|cotton)\.? ?)(?=\d+ ?C\b)", re.IGNORECASE)
 #: What brackets hold is of the cloth, as (elastane weft), where it is no direction by itself nor an angle.
 _REMARK = re.compile(r"[(\[](?![^()\[\]]*(?:\u00b0|deg))([^()\[\]]*)[)\]]")
+_ROOM = re.compile(r"\b(?:RT|[rR]oom[- ]?[tT]emp(?:erature)?|Raumtemperatur)\b")
 _T = TypeVar("_T")
 
 
@@ -154,6 +155,8 @@ def warmth(name: str) -> float | None:
     (105.0, 80.0, -20.0, 23.0)
     >>> warmth("K7-105C-weft"), warmth("Sample 25C"), warmth("25 to 150 °C"), warmth("Sample 2, 25 °C")
     (105.0, None, None, 25.0)
+    >>> warmth("K7_wale_RT_1"), warmth("CRT 5")
+    (23.0, None)
     >>> warmth("K7_3C"), warmth("washed 60 °C"), warmth("23-105C"), warmth("100 C at 80 C"), warmth("50C/50P")
     (None, None, None, None, None)
     """
@@ -164,4 +167,6 @@ def warmth(name: str) -> float | None:
         value = float(match[1].replace(",", ".").replace("\u2212", "-"))
         if match[2] or value >= _BARE:
             found.add(round((value - 32.0) / 1.8, 4) if match[2] == "F" else value)
+    if not found and _ROOM.search(text):
+        return 23.0  # ISO 291
     return found.pop() if len(found) == 1 else None

@@ -171,6 +171,17 @@ def test_a_strip_cut_who_knows_how_beside_others_is_warned_of(hf: Run, tmp_path:
     assert sorted(json.loads(done.stdout).get("directions", {})) == ([] if said else ["warp", "weft"])
 
 
+@pytest.mark.parametrize(("other", "warned"), [("80 degC", True), ("25 degC", False)])
+def test_a_test_made_who_knows_how_warm_beside_others_is_warned_of(
+    hf: Run, tmp_path: Path, other: str, warned: bool
+) -> None:
+    """Both were one cloth, without a word."""
+    write(tmp_path, "a.csv", LAM, yeoh(0.2, 0.02))
+    write(tmp_path, "b.csv", LAM, yeoh(0.1, 0.01), f"# temperature: {other}")
+    told = hf("fit", "--uniaxial", "a.csv", "--uniaxial", "b.csv", "--model", "yeoh-2", cwd=tmp_path).stderr.decode()
+    assert ("hf: warning: a.csv: no temperature is told, beside 80 degC in b.csv; say how warm" in told) is warned
+
+
 def test_constants_of_every_temperature_are_stable_where_the_verdict_says_so(hf: Run, tmp_path: Path) -> None:
     """At 23 degC a neo-Hookean sheet, at 80 one whose stress falls from a stretch of 1.45: of that the verdict is."""
     lam = np.linspace(1.1, 2.5, 15)

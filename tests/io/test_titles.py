@@ -120,5 +120,7 @@ def test_names_of_specimens_tell_the_temperature_where_all_do() -> None:
     )
     found = read(f"specimen;strain [-];stress [MPa]\n{rows}")
     assert [told(one) for one in found] == [(0.0, 80.0), (0.0, 23.0)]
+    found = read(f"specimen;strain [-];stress [MPa]\n{rows.replace('23C', 'RT')}")
+    assert [told(one) for one in found] == [(0.0, 80.0), (0.0, 23.0)]
     [*_, last] = read(f"specimen;strain [-];stress [MPa]\n{rows.replace('23C', 'x')}")
     assert told(last) == (0.0, None)
