@@ -226,6 +226,14 @@ def test_readings_of_presses_and_sheets_are_found_under_other_languages_names(
         assert read_press(job, "read.csv", PLAIN, Counter()).kind == kind
 
 
+def test_columns_that_are_offered_as_places_have_a_unit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They were offered as ``x [None]``."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "gap.csv").write_text("X mm,Y mm,Z mm,Spalt µm\n1,2,0,300\n2,2,0,310\n3,2,0,320\n")
+    with pytest.raises(InputError, match=r'"X mm=x \[mm\],Y mm=y \[mm\],Z mm=z \[mm\],Spalt µm=thickness \[µm\]"'):
+        read_press(Job("close-loop", [], Console(True)), "gap.csv", PLAIN, Counter())
+
+
 @pytest.mark.parametrize(
     ("said", "kind"),
     [
@@ -463,6 +471,20 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert "known" not in stretch
     extended = json.loads((tmp_path / "loop.model.json").read_text())
     assert extended["setup"]["prestretch"] > 1.005
+
+
+def test_a_depth_of_next_to_nothing_asks_for_no_clamp_that_nobody_can_give(tmp_path: Path, hf: Run) -> None:
+    """Metres read as millimetres: the loop ended with status 2 and a --rim-slip that nobody had given."""
+    fabric = {"format": "hyperfab.material/1", "model": "yeoh-2", "thickness_mm": discs.THICK,
+              "parameters": {"C10_MPa": discs.C10, "C20_MPa": discs.C20}}  # fmt: skip
+    (tmp_path / "fabric.json").write_text(json.dumps(fabric))
+    words = ["fabric.json", "--sphere-radius", "40mm", "--depth", "60mm", "--steps", "3", "--mesh-size", "20mm"]
+    assert hf("fabric-contact", *words, "-o", "contact.json", cwd=tmp_path).returncode == 0
+    depth = np.linspace(0.003, 0.06, 20)
+    csv(tmp_path / "punch.csv", "depth [mm],force [N]", depth, 900.0 * depth + 0.05 * np.sin(40.0 * depth))
+    done = hf("close-loop", "contact.json", "--measured", "punch.csv", "-o", "loop.json", cwd=tmp_path)
+    assert "rim_slip_mm2_N" not in done.stderr.decode()
+    assert done.returncode in (0, 1), done.stderr.decode()
 
 
 def drape_a_ball(folder: Path, hf: Run) -> None:

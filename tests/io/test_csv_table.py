@@ -515,3 +515,9 @@ def test_a_log_with_a_row_for_each_reading_has_a_column_for_each_probe() -> None
     assert math.isnan(table["base"][3])
     with pytest.raises(InputError, match="does not follow"):
         read_table(text.replace("Base", "lid").encode(), "t.csv", {"time": "time"}, increasing="time", **read)  # type: ignore[arg-type]
+
+
+def test_markers_may_be_called_flat_and_draped() -> None:
+    columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
+    table = read_table(b"id,flat_x_mm,flat_y_mm,draped_x_mm,draped_y_mm,draped_z_mm\n1,2,3,4,5,6\n", "m.csv", columns)
+    assert [float(table[one][0]) for one in columns] == [2.0, 3.0, 4.0, 5.0, 6.0]
