@@ -21,7 +21,7 @@ from hyperfab.loop.noise import Noise
 from hyperfab.loop.noise_estimate import estimate_noise
 from hyperfab.loop.switching import is_coarse
 
-NOISE_K, STEP = 0.1, 20.0
+NOISE_K = 0.2
 
 
 def switched(monkeypatch: pytest.MonkeyPatch, effect: str = "") -> HeatProblem:
