@@ -166,7 +166,9 @@ def invariances(hunt: Hunt) -> None:
             )
         hunt.case(f"{name}: flat facets split in four, and again", partial(split, pair))
         hunt.case(f"{name}: force is the rate of energy", partial(rate, cups(60) if name == "cups" else pair, {}))
-        hunt.case(f"{name}: refined", partial(refined, cups if name == "cups" else nested))
+    # Spheres of 20 rings are cut as fine as those of 40 are.
+    hunt.case("cups: refined", partial(refined, cups, (20, 40, 80)))
+    hunt.case("spheres: refined", partial(refined, nested, (40, 80, 160)))
     hunt.case("cups: force is the rate of energy, tilted", partial(rate, cups(60), {"tilt": "0.5deg,-0.3deg"}))
     hunt.case("cups: force is the rate of energy, flat facets", partial(rate, cups(), {"facets": "flat"}))
 
@@ -189,9 +191,9 @@ def split(pair: Pair) -> tuple[bool, object]:
     return steps[1] < 0.4 * steps[0], f"{told(runs[2])} {steps[0]:.1e} {steps[1]:.1e}"
 
 
-def refined(made: Callable[[int], Pair]) -> tuple[bool, object]:
+def refined(made: Callable[[int], Pair], sizes: tuple[int, ...]) -> tuple[bool, object]:
     """Whether finer molds change the answer less and less."""
-    runs = [press(made(cells)) for cells in (20, 40, 80)]
+    runs = [press(made(cells)) for cells in sizes]
     steps = [abs(b["force_N"] / a["force_N"] - 1.0) for a, b in pairwise(runs)]
     return steps[1] < max(0.7 * steps[0], 1e-4), f"{told(runs[2])} {steps[0]:.1e} {steps[1]:.1e}"
 

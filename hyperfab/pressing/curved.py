@@ -21,6 +21,8 @@ from hyperfab.surface import Surface
 CREASE_DEG = 25.0
 #: Square of the sine of the angle between the sides of a crease whose curve they tell, at least.
 _KNIFE = 0.1
+#: Normals at a vertex that are apart by no more, but for rounding, are of one side.
+_ONE_SIDE = 1e-5
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ class Drawn:
     def corner_normals(self, vertices: Array) -> Array:
         """Unit normals (m, 3, 3) at the corners of each part, of the smooth surface behind the facets as drawn."""
         whole = self.whole(vertices)
-        found = np.einsum("mkc,mcx->mkx", self.weights, _corner_normals(whole, creases(whole))[self.of])
+        found = np.einsum("mkc,mcx->mkx", self.weights, corner_normals(whole)[self.of])
         length = np.linalg.norm(found, axis=2, keepdims=True)
         # Between normals that are opposite there is none: the surface is folded there.
         return np.where(length > 0.5, found / np.maximum(length, 0.5), whole.normals[self.of][:, None])
@@ -102,7 +104,7 @@ def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -
     if not smooth:
         return Curving(surface, np.repeat(surface.normals[:, None], 3, axis=1), bulge, skew)
     creased = creases(surface)
-    normals = _corner_normals(surface, creased) if drawn is None else drawn.corner_normals(surface.vertices)
+    normals = corner_normals(surface, drawn)
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
         # From the lower number to the higher: both facets of an edge find the same to the last bit.
@@ -147,11 +149,13 @@ def creases(surface: Surface) -> Flags:
     return np.asarray(np.abs(surface.edge_turn) > np.radians(CREASE_DEG))
 
 
-def _corner_normals(surface: Surface, creased: Flags) -> Array:
-    """Unit normals (m, 3, 3) at the corners of each facet, of the smooth surface on its side of ``creased`` (m, 3)
-    edges."""
+def corner_normals(surface: Surface, drawn: Drawn | None = None) -> Array:
+    """Return unit normals (m, 3, 3) at the corners of each facet, of the smooth surface on its side of creases; of
+    facets that were cut, those of the facets as ``drawn``."""
+    if drawn is not None:
+        return drawn.corner_normals(surface.vertices)
     faces, twins = surface.faces, surface.twins
-    face, edge = np.nonzero(~creased & (twins >= 0))
+    face, edge = np.nonzero(~creases(surface) & (twins >= 0))
     other = twins[face, edge]
     own, across = [], []
     for corner in (edge, (edge + 1) % 3):
@@ -161,6 +165,29 @@ def _corner_normals(surface: Surface, creased: Flags) -> Array:
     joined = coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(faces.size, faces.size))
     count, side = connected_components(joined, directed=False)
     return _summed(surface, side.reshape(-1, 3), count)[side].reshape(*faces.shape, 3)
+
+
+def one_sided(faces: Ints, normals: Array) -> tuple[Ints, Ints, Array]:
+    """Give each side of a crease vertices of its own: of ``faces`` (m, 3) with ``normals`` (m, 3, 3) at their corners.
+
+    Returns which vertex (n,) each is, the faces (m, 3) among these, and their normals (n, 3).
+
+    >>> up, aside = [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]
+    >>> of, faces, _ = one_sided(np.array([[7, 8, 9], [8, 7, 4]]), np.array([[up] * 3, [aside] * 3]))
+    >>> of.tolist(), faces.tolist()
+    ([4, 7, 8, 9, 7, 8], [[4, 5, 3], [2, 1, 0]])
+    """
+    used, small = np.unique(faces, return_inverse=True)
+    small, normals = small.reshape(-1), normals.reshape(-1, 3)
+    found = np.empty((len(used), 3))
+    found[small] = normals
+    beside = np.flatnonzero(np.abs(normals - found[small]).max(axis=1) > _ONE_SIDE)
+    key = np.column_stack([small[beside], np.round(normals[beside] / _ONE_SIDE)])
+    _, first, number = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    new = beside[first]
+    of, found = np.concatenate([used, used[small[new]]]), np.concatenate([found, normals[new]])
+    small[beside] = len(used) + number.reshape(-1)
+    return of, small.reshape(-1, 3), found
 
 
 def smooth_normals(surface: Surface) -> Array:

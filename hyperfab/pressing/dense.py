@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, cKDTree
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.pressing.curved import Curving, Drawn, barycentric, creases, curving
-from hyperfab.pressing.mold import LOOKING
+from hyperfab.pressing.mold import LOOKING, extent
 from hyperfab.surface import Surface
 from hyperfab.surface.topology import sides
 
@@ -24,6 +24,8 @@ _GRADING = 1.0
 #: A facet is flat where the smooth surface is level with it by so much at a corner [rad]: beside it the surface begins
 #: to curve, and normals on that edge, which are of both sides, are none of the facet.
 _LEVEL = 1e-3
+#: Edges are as long as each other where they differ by this share: an STL's corners are rounded.
+_ROUNDED = 1e-4
 #: The corners of the facets that a facet is cut into, by which of its edges ab, bc, ca are cut: 0, 1, 2 are its own
 #: corners, 3, 4, 5 the middles of these edges.
 _CUTS = {
@@ -58,17 +60,26 @@ def dense(
     (2048, 1.0)
     """
     vertices, faces, of = surface.vertices, surface.faces, np.arange(len(surface.faces))
-    looking, longest, shorter = surface.normals @ towards > LOOKING, _LONGEST * _size(surface), _LONGEST * _size(other)
+    across = np.eye(3) - np.outer(towards, towards)
+    looking, opposite = (_seen(one, way) for one, way in ((surface, towards), (other, -towards)))
+    facing = Surface(other.vertices, other.faces[opposite])
+    over = facing.vertices[np.unique(facing.faces)] @ across
+    if edges:
+        looking |= _beside(surface, towards, over)
+    longest, shorter = (
+        _LONGEST * extent(one.vertices, one.faces[seen]) for one, seen in ((surface, looking), (other, opposite))
+    )
     cut = True
     while cut:
         vertices, faces, of, cut = _cut(vertices, faces, of, looking[of], longest)
-    across = np.eye(3) - np.outer(towards, towards)
-    box = other.vertices @ across
-    low, high = box.min(axis=0) - longest, box.max(axis=0) + longest
+    centre = facing.areas @ facing.vertices[facing.faces].mean(axis=1) @ across / facing.areas.sum()
+    within = np.linalg.norm(over - centre, axis=1).max() + longest
     cut = shorter < longest
     while cut:
         corners = (vertices @ across)[faces]
-        beneath = ((corners.max(axis=1) >= low) & (corners.min(axis=1) <= high)).all(axis=1)
+        middle = corners.mean(axis=1)
+        reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+        beneath = np.linalg.norm(middle - centre, axis=1) - reach <= within
         vertices, faces, of, cut = _cut(vertices, faces, of, looking[of] & beneath, shorter)
     finest = min(shorter, longest) * _AT_EDGES
     line = _edges_beneath(other, surface, towards, finest) @ across if edges else np.zeros((0, 3))
@@ -77,10 +88,10 @@ def dense(
         corners = (vertices @ across)[faces]
         middle = corners.mean(axis=1)
         reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
-        chosen = np.flatnonzero(looking[of] & (np.sqrt(3.0) * reach > finest))
+        chosen = np.flatnonzero(looking[of] & (np.sqrt(3.0) * reach > finest * (1.0 + _ROUNDED)))
         away = cKDTree(line).query(middle[chosen])[0] - reach[chosen]
         at_edge = np.zeros(len(faces), dtype=bool)
-        at_edge[chosen] = np.sqrt(3.0) * reach[chosen] > _GRADING * away
+        at_edge[chosen] = np.sqrt(3.0) * reach[chosen] > _GRADING * away + _ROUNDED * finest
         vertices, faces, of, cut = _cut(vertices, faces, of, at_edge, finest)
     if len(faces) == len(surface.faces):
         return surface, None
@@ -94,6 +105,25 @@ def dense(
     return Surface(vertices, faces), drawn
 
 
+def _seen(surface: Surface, towards: Array) -> Flags:
+    """Which facets (m,) look ``towards`` (3,); all where none does."""
+    looking = np.asarray(surface.normals @ towards > LOOKING)
+    return looking if looking.any() else ~looking
+
+
+def _beside(surface: Surface, towards: Array, over: Array) -> Flags:
+    """Which facets (m,) are upright walls that the other mold, seen along ``towards`` (3,) at ``over`` (n, 3), goes
+    beyond: what they stand opposite to in the closed press changes along them."""
+    found = np.abs(surface.normals @ towards) <= LOOKING
+    upright = np.flatnonzero(found)
+    plan = np.linalg.eigh(np.outer(towards, towards))[1][:, :2]
+    outline = over[ConvexHull(over @ plan).vertices]
+    starts = surface.vertices[surface.faces[upright, 0]]
+    beyond = (surface.normals[upright] @ outline.T).max(axis=1) - (starts * surface.normals[upright]).sum(axis=1)
+    found[upright] = beyond > _ROUNDED * np.ptp(outline, axis=0).max()
+    return found
+
+
 def _edges_beneath(other: Surface, surface: Surface, towards: Array, apart: float) -> Array:
     """Return points (k, 3) along the edges of the ``other`` mold where the surface has none of its own beneath: beside
     those, as where both molds end alike, the gap does not jump within a facet."""
@@ -101,7 +131,7 @@ def _edges_beneath(other: Surface, surface: Surface, towards: Array, apart: floa
     if not len(line) or not len(own):
         return line
     across = np.eye(3) - np.outer(towards, towards)
-    return np.asarray(line[cKDTree(own @ across).query(line @ across)[0] > apart])
+    return np.asarray(line[cKDTree(own @ across).query(line @ across)[0] > apart * (1.0 + _ROUNDED)])
 
 
 def _edge_points(surface: Surface, towards: Array, apart: float) -> Array:
@@ -110,15 +140,11 @@ def _edge_points(surface: Surface, towards: Array, apart: float) -> Array:
     out = np.abs(surface.edge_turn) > np.radians(_EDGE_DEG)
     face, edge = np.nonzero(out & (surface.normals @ towards < -LOOKING)[:, None])
     start, end = (surface.vertices[surface.faces[face, (edge + k) % 3]] for k in (0, 1))
-    count = np.ceil(np.linalg.norm(end - start, axis=1) / apart).astype(int) + 1
+    count = np.ceil(np.linalg.norm(end - start, axis=1) / apart - _ROUNDED).astype(int) + 1
     one = np.repeat(np.arange(len(count)), count)
     step = np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
     share = (step / np.maximum(count - 1, 1)[one])[:, None]
     return np.asarray(start[one] + share * (end[one] - start[one]))
-
-
-def _size(surface: Surface) -> float:
-    return float(np.ptp(surface.vertices, axis=0).max())
 
 
 def _straightened(curve: Curving) -> Curving:
@@ -140,7 +166,7 @@ def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) 
     """Return vertices, faces and the facets ``of`` which they are parts, each edge of a ``chosen`` face that is too
     long cut in its middle; and whether any was."""
     ends, number = sides(faces, len(vertices))
-    long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + 1e-9)
+    long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + _ROUNDED)
     long &= np.bincount(number[chosen].ravel(), minlength=len(ends)) > 0
     if not long.any():
         return vertices, faces, of, False

@@ -8,21 +8,28 @@ from functools import cached_property
 import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import CREASE_DEG, smooth_normals
-from hyperfab.pressing.mold import LOOKING, Mold
+from hyperfab.pressing.curved import one_sided
+from hyperfab.pressing.mold import LOOKING, Mold, extent
 from hyperfab.pressing.projection import smooth_gap
 from hyperfab.surface import Surface
+from hyperfab.surface.soundness import bodies
 
 #: Beyond this angle between the male's normal and the direction to the nearest point the three gaps part company.
 OBLIQUE_DEG = 30.0
+#: So far [mm] before a facet a ray begins that is not to meet it.
+_OFF = 1e-6
+#: A front stands up where it rises by this share of its extent.
+_RISES = 0.05
 
 
 @dataclass(frozen=True)
 class Front:
-    """The molding part of the male: its own vertex numbering.
+    """The molding part of the male: its own vertex numbering, along creases a vertex for each side.
 
-    ``vertices`` (n, 3), ``faces`` (m, 3), unit vertex ``normals`` (n, 3), face ``areas`` (m,), ``of_mold`` (n,) the
-    vertices' numbers in the whole mold, ``flange`` (m,) the faces of the flat rim around the molding surface.
+    ``vertices`` (n, 3), ``faces`` (m, 3), unit vertex ``normals`` (n, 3) of the smooth surface on the faces' side, face
+    ``areas`` (m,), ``of_mold`` (n,) the vertices' numbers in the whole mold, ``flange`` (m,) the faces of the flat rim
+    around the molding surface and of bodies that lie ``aside``, no higher than its lowest level: the area of these
+    [mm^2].
     """
 
     vertices: Array
@@ -31,6 +38,7 @@ class Front:
     areas: Array
     of_mold: Ints
     flange: Flags
+    aside: float = 0.0
 
     @cached_property
     def molding_areas(self) -> Array:
@@ -108,46 +116,35 @@ def gap_towards(points: Array, mold: Mold, way: Array, far: float) -> Array:
 
 
 def molding_front(male: Mold, female: Mold) -> Front:
-    """Return the part of the male that molds: the faces that look at the female, and upright walls opposite to it."""
+    """Return the part of the male that molds: the faces that look at the female past all of the male, and upright walls
+    opposite to it."""
     surface = male.surface
-    upright = np.flatnonzero(np.abs(surface.normals[:, 2]) <= 0.02)
     chosen = male.looking.copy()
+    looking, upright = np.flatnonzero(chosen), np.flatnonzero(np.abs(surface.normals[:, 2]) <= LOOKING)
+    above = np.array([0.0, 0.0, 1.0])
+    _, over = surface.ray(male.vertices[male.faces[looking]].mean(axis=1) + _OFF * above, above)
+    chosen[looking[over >= 0]] = False
+    rim, aside = _rim(male, chosen)
     if len(upright):
         centres = male.vertices[male.faces[upright]].mean(axis=1)
         normals = surface.normals[upright]
-        t, face = female.surface.ray(centres + 1e-6 * normals, normals)
+        t, face = female.surface.ray(centres + _OFF * normals, normals)
         opposed = (face >= 0) & ((female.surface.normals[face] * normals).sum(axis=1) < 0.0)
-        own, _ = surface.ray(centres + 1e-6 * normals, normals)
+        own, _ = surface.ray(centres + _OFF * normals, normals)
         chosen[upright[opposed & (t < own)]] = True
-    used, faces = np.unique(male.faces[chosen], return_inverse=True)
+    used, faces, normals = one_sided(male.faces[chosen], male.corner_normals[chosen])
     part = Surface(male.vertices[used], faces)
-    if male.drawn is None:
-        return Front(part.vertices, faces, smooth_normals(part), part.areas, used, _flange(part))
-    # Facets that were cut are unlike around a corner: the normals are those of the facets as drawn, and so is the rim.
-    normals = np.zeros_like(part.vertices)
-    np.add.at(normals, faces, male.drawn.corner_normals(male.vertices)[chosen])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    whole = male.drawn.whole(male.vertices)
-    looking = whole.normals[:, 2] > LOOKING
-    flange = np.zeros(len(whole.faces), dtype=bool)
-    flange[looking] = _flange(Surface(whole.vertices, whole.faces[looking]))
-    return Front(part.vertices, faces, normals, part.areas, used, flange[male.drawn.of[chosen]])
+    return Front(
+        part.vertices, faces, normals, part.areas, used, (rim | aside)[chosen], float(part.areas[aside[chosen]].sum())
+    )
 
 
-def touch_gap(front: Front, nearest: Array, along_normal: Array) -> Array:
+def touch_gap(nearest: Array, along_normal: Array) -> Array:
     """Return the gap (n,) [mm] that decides whether the sandwich is touched: the one its column meets.
 
-    The sandwich stands on the male along its normal. Where the normal misses the female, or is no single direction
-    because the vertex lies on a crease, the nearest gap takes its place.
+    The sandwich stands on the male along its normal. Where that misses the female the nearest gap takes its place.
     """
-    corner = front.normals[front.faces]
-    a, b, c = (front.vertices[front.faces[:, k]] for k in range(3))
-    flat = np.cross(b - a, c - a)
-    length = np.linalg.norm(flat, axis=1)
-    cosine = (corner * flat[:, None]).sum(axis=2) / np.where(length > 0.0, length, 1.0)[:, None]
-    creased = np.zeros(len(front.vertices), dtype=bool)
-    creased[front.faces[cosine < np.cos(np.radians(CREASE_DEG))]] = True
-    return np.where(np.isnan(along_normal) | creased, nearest, along_normal)
+    return np.where(np.isnan(along_normal), nearest, along_normal)
 
 
 def oblique(front: Front, gap: Gap) -> Flags:
@@ -174,22 +171,47 @@ def _at_border(female: Mold, face: Ints, feature: Ints) -> Flags:
     return found
 
 
-def _flange(front: Surface) -> Flags:
+def _rim(male: Mold, looking: Flags) -> tuple[Flags, Flags]:
+    """Faces (m,) of the flat rim and of bodies that lie aside, of those that are ``looking`` (m,): as they were drawn,
+    as of facets that were cut some bulge a little below the rim."""
+    whole = male.surface
+    if male.drawn is not None:
+        whole, cut = male.drawn.whole(male.vertices), looking
+        looking = np.zeros(len(whole.faces), dtype=bool)
+        looking[male.drawn.of[cut]] = True
+    found = np.zeros((2, len(whole.faces)), dtype=bool)
+    if looking.any():
+        found[:, looking] = _flange(Surface(whole.vertices, whole.faces[looking]), bodies(whole.twins)[1][looking])
+    rim, aside = found if male.drawn is None else found[:, male.drawn.of]
+    return rim, aside
+
+
+def _flange(front: Surface, body: Ints) -> tuple[Flags, Flags]:
     """Faces of the flat rim: at the front's lowest level, flat across the axis, while the rest rises clearly above.
 
     Its share must be worth mentioning (3 %); a front that is flat throughout has no flange. A mesh need not follow
     the line where the rim begins to rise. Of the faces across it those count as rim whose slope is less than an
     eighth of that of the next faces inward: where a blend of constant curvature begins in the middle of a face of
     width h, its slope is kappa h / 8, and that of the next ones kappa h on average.
+
+    The mold is that ``body`` (m,) of its STL that stands up the most: under one that rises, others that lie no higher
+    than its lowest level, as a bolster or a clamp, mold nothing and tell no level of its rim: the second flags told.
     """
     heights = front.vertices[front.faces][..., 2]
-    low, rise = float(heights.min()), float(np.ptp(heights))
-    span = float(np.ptp(front.vertices[:, :2], axis=0).max())
+    low = float(heights.min())
+    stands = np.bincount(body, weights=front.areas * front.normals[:, 2] * (heights.mean(axis=1) - low))
+    own = body == body[np.argmax(stands[body])]
+    span = extent(front.vertices, front.faces[own])
+    if np.ptp(heights[own]) < _RISES * span:
+        own[:] = True
+        span = extent(front.vertices, front.faces)
+    low, rise = float(heights[own].min()), float(np.ptp(heights[own]))
     ground = front.vertices[:, 2] <= low + 1e-5 * span
     on_ground = ground[front.faces].sum(axis=1)
     flat = on_ground == 3
-    if rise < 0.05 * span or front.areas[flat].sum() < 0.03 * front.areas.sum():
-        return np.zeros(len(front.faces), dtype=bool)
+    aside = ~own & (np.bincount(body, weights=~flat) == 0.0)[body]
+    if rise < _RISES * span or front.areas[flat & own].sum() < 0.03 * front.areas[own].sum():
+        return aside & False, aside
     slope = np.arccos(np.clip(front.normals[:, 2], -1.0, 1.0))
     across = (on_ground > 0) & ~flat
     rising = np.zeros(len(front.vertices), dtype=bool)
@@ -197,4 +219,4 @@ def _flange(front: Surface) -> Flags:
     next_inward = (on_ground == 0) & (rising[front.faces].any(axis=1))
     if next_inward.any():
         flat |= across & (slope < np.median(slope[next_inward]) / 8.0)
-    return np.asarray(flat)
+    return flat, aside

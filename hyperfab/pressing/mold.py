@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import Curving, Drawn, curving
+from hyperfab.pressing.curved import Curving, Drawn, corner_normals, curving
 from hyperfab.pressing.tetra import TetraMesh, at_boundary
 from hyperfab.surface import Surface
 
@@ -103,6 +103,11 @@ class Mold:
     def curving(self) -> Curving:
         """How the smooth surface stands off the facets of ``surface``."""
         return curving(self.surface, self.smooth, self.drawn)
+
+    @cached_property
+    def corner_normals(self) -> Array:
+        """Unit normals (m, 3, 3) of the smooth surface at the corners of each facet, on its side of creases."""
+        return self.curving.normals if self.smooth else corner_normals(self.surface, self.drawn)
 
     @cached_property
     def front_curving(self) -> Curving:
@@ -212,6 +217,24 @@ class Expansion:
         value = np.asarray(temperature, dtype=float)
         mean = np.interp(value, self.temperatures, self.coefficient)
         return np.asarray(mean * (value - self.reference))
+
+
+def extent(vertices: Array, faces: Ints) -> float:
+    """Return how long [mm] a surface is, however it is turned and cut into facets: as an even bar of its largest second
+    moment of area. A rectangle is as long as its longer side.
+
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> round(extent(square, np.array([[0, 1, 2], [0, 2, 3]])), 12)
+    2.0
+    """
+    corners = vertices[faces]
+    middle = corners.mean(axis=1)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    centre = area @ middle / area.sum()
+    weights = np.repeat(area, 4) * np.tile([1.0, 1.0, 1.0, 9.0], len(area))
+    off = np.concatenate([corners, middle[:, None]], axis=1).reshape(-1, 3) - centre
+    moment = np.einsum("k,ki,kj->ij", weights, off, off) / area.sum()
+    return float(np.sqrt(np.linalg.eigvalsh(moment)[-1]))
 
 
 def guide_line(male: Mold) -> Array:

@@ -138,7 +138,7 @@ class Press:
         those that decide what touches; ``gap`` are the nearest ones there."""
         turned = self.front.normals if pose.angle == 0.0 else self.front.normals @ pose.rotation
         along = normal_gap(pose.into_female(self.front.vertices), turned, self.female)
-        return along, touch_gap(self.front, gap, along)
+        return along, touch_gap(gap, along)
 
     def touching(self, touch: Array) -> Quadrature:
         """Return points over the area that is touched: where the gap that decides is less than the sandwich."""

@@ -14,7 +14,7 @@ from hyperfab.pressing.clip import positive_part
 from hyperfab.pressing.gap import Front
 from hyperfab.pressing.press import Contact
 from hyperfab.pressing.sandwich import Sandwich
-from hyperfab.surface import Surface
+from hyperfab.surface.topology import twin_edges
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def regions(front: Front, touch_gap: Array, result: Contact, sandwich: Sandwich)
     ``touch_gap`` (n,) [mm] decides what touches. Two faces belong together where the touching (open) part reaches
     across their common edge.
     """
-    twins = Surface(front.vertices, front.faces).twins
+    twins = twin_edges(front.of_mold[front.faces])[0]
     level = np.asarray(sandwich.thickness - touch_gap)
     return [
         region
@@ -63,7 +63,9 @@ def _regions(
         links.append(np.stack([joined, twins[joined, edge]]))
     pair = np.concatenate(links, axis=1)
     graph = coo_array((np.ones(pair.shape[1], dtype=np.int8), (pair[0], pair[1])), shape=(count, count))
-    _, label = connected_components(graph.tocsr(), directed=False)
+    # At a crease each side tells for itself whether it reaches the edge.
+    both = graph.tocsr().minimum(graph.tocsr().T)
+    _, label = connected_components(both, directed=False)
     total = partial(replace(part, face=label[part.face]).per_face, count=count)
     there = sandwich.at(partial(part.at_corners, front.faces))
     place = part.at_corners(front.faces, front.vertices)

@@ -73,3 +73,75 @@ def test_a_round_knob_smaller_than_the_facets_beneath_is_felt(tmp_path, monkeypa
     across = np.pi * (radius**2 - (radius - (THICK - GAP)) ** 2)
     assert document["gap_min_mm"] == pytest.approx(GAP, abs=0.01)
     assert document["contact_area_mm2"] == pytest.approx(across, rel=0.06)
+
+
+def body(outline, about=64):
+    """An outline (k, 2) of radii and heights, from the axis to the axis, turned about z: vertices and faces."""
+    solid = trimesh.creation.revolve(np.array(outline, dtype=float), sections=about)
+    return solid.vertices, solid.faces
+
+
+@pytest.mark.parametrize("degrees", [30.0, 45.0])
+@pytest.mark.parametrize("rings", [1, 5])
+def test_a_cone_that_ends_in_an_upright_wall_is_touched_as_far_as_each_side_of_its_edge_is(
+    tmp_path, monkeypatch, degrees, rings
+):
+    """The female goes on beyond the wall; along it the gap is wider than along the cone, and grows downwards."""
+    turn, inner, outer = np.radians(degrees), 25.0, 45.0
+    high, wide, low = (outer - inner) * np.tan(turn), outer + 10.0, -10.0 * np.tan(turn)
+    cone = np.linspace([inner, high], [outer, 0.0], rings + 1)
+    wall = np.linspace([outer, 0.0], [outer, -30.0], rings + 1)
+    male = [[0.0, -30.0], *wall[::-1], *cone[::-1][1:], [0.0, high]]
+    female = [[0.0, high], [inner, high], [wide, low], [80.0, low], [80.0, high + 40.0], [0.0, high + 40.0]]
+    document = pressed(tmp_path, monkeypatch, male=body(male), female=body(np.add(female, [0.0, 10.0]), 70))
+    # Along the wall the gap is that of the cone at its height, GAP / tan(turn), and grows by 1 / tan(turn) downwards.
+    wall = max(THICK * np.tan(turn) - GAP, 0.0)
+    area = np.pi * (inner**2 + (outer**2 - inner**2) / np.cos(turn) + 2.0 * outer * wall)
+    assert document["contact_area_mm2"] == pytest.approx(area, rel=4e-3)  # 64 chords to a circle
+
+
+def test_a_turn_of_the_press_about_its_axis_changes_nothing(tmp_path, monkeypatch):
+    """Large facets of both, a narrower female, and a rib: all that facets are cut by. No end is above another, where
+    rounding tells whether it is met."""
+    ribbed = [[-30.0, 40.0], [40.0, 40.0], [40.0, HIGH], [2.3, HIGH], [2.3, 0.0], [0.3, 0.0], [0.3, HIGH]]
+    vertices, faces = prism(np.add([*ribbed, [-30.0, HIGH]], [0.0, 10.0]), [1.3, 20.0])
+    female = vertices * [1.0, 1.1, 1.0], faces
+    found = []
+    for degrees in (0.0, 17.0, 37.0, 45.0, 90.0):
+        cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+        molds = {name: (solid[0] @ turn.T, solid[1]) for name, solid in (("male", plate()), ("female", female))}
+        document = pressed(tmp_path, monkeypatch, **molds)
+        found.append([document[key] for key in ("force_N", "contact_area_mm2", "gap_mean_mm", "energy_J")])
+    assert found == [pytest.approx(found[0], rel=1e-5)] * 5  # rounding of an STL
+
+
+def box(low, high):
+    solid = trimesh.creation.box(bounds=[low, high])
+    return solid.vertices, solid.faces
+
+
+def together(*solids):
+    starts = np.cumsum([0, *(len(vertices) for vertices, _ in solids)])
+    faces = [faces + start for (_, faces), start in zip(solids, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in solids]), np.concatenate(faces)
+
+
+@pytest.mark.parametrize(
+    "beside",
+    [
+        box([-150.0, -150.0, -60.0], [150.0, 150.0, -40.0]),  # a bolster under the male, wider than it
+        box([110.0, -20.0, -60.0], [150.0, 20.0, -45.0]),  # a clamp
+        (box([-30.0, -5.0, -25.0], [30.0, 5.0, -15.0])[0], box([0.0] * 3, [1.0] * 3)[1][:, ::-1]),  # a channel in it
+    ],
+)
+def test_what_lies_below_or_within_the_male_is_none_of_its_molding_surface(tmp_path, monkeypatch, beside):
+    male = [[0.0, -40.0], [100.0, -40.0], [100.0, -30.0], [60.0, -30.0], [40.0, 0.0], [0.0, 0.0]]
+    female = [[0.0, 0.0], [40.0, 0.0], [60.0, -30.0], [100.0, -30.0], [100.0, 40.0], [0.0, 40.0]]
+    alone, other = (
+        pressed(tmp_path, monkeypatch, male=solid, female=body(np.add(female, [0.0, 10.0])))
+        for solid in (body(male), together(body(male), beside))
+    )
+    for key in ("contact_fraction", "molding_area_mm2", "gap_mean_mm", "gap_max_mm"):
+        assert other[key] == pytest.approx(alone[key], rel=1e-3), key
+    assert alone["flange_area_mm2"] == pytest.approx(np.pi * (100.0**2 - 60.0**2), rel=2e-3)

@@ -72,6 +72,11 @@ def run(job: Job, case: PressCase) -> int:
             told = replace(told, formed=stays, wanted=wanted)
         note_ranges(job, model, told.closed)
         _tell_overlap(job, told.closed, told.frame)
+        if told.closed.front.aside > 0.0:
+            job.console.warn(
+                f"{case.male}: {told.closed.front.aside:.0f} mm2 that look at the female lie on bodies no higher than "
+                "the lowest level of the mold: they count with its flange, not with its molding surface"
+            )
         advance(0.6, "design")
         stl = b""
         if case.design_gap is not None:
