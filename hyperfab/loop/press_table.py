@@ -23,6 +23,9 @@ from hyperfab.pressing.sandwich import Sandwich
 _KNOTS, _PLACES = 25, 800
 #: Bands of height the places are drawn from, as many as places around each.
 _BANDS = isqrt(_PLACES)
+#: Turns [rad], strains and offsets [mm] at which what the force is summed over is set to rights, and how small a part of
+#: that is left as it is.
+_A_LITTLE, _RANK = np.array([2e-3, 2e-3, 2e-3, 2e-3, 0.1, 0.1]), 1e-3
 #: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
 MARGIN = 1.0
 #: A tilt [rad] to take differences over.
@@ -242,7 +245,22 @@ def _summed(table: PressTable) -> PressTable:
     few, band_of = table.of(order[chosen]), band[chosen]
     whole = np.bincount(band, table.push[0, order])
     share = (whole / np.bincount(band_of, few.push[0]))[band_of]
+    share = share * _worth(table, replace(few, push=few.push * share))
     return replace(few, push=few.push * share, area=few.area * share)
+
+
+def _worth(table: PressTable, few: PressTable) -> Array:
+    """Return factors (n,), as near to 1 as can be, with which the ``few`` places sum to the force of the whole table at
+    each opening, and to what it is where a mold is turned, grown or moved a little."""
+    sums, parts = [], []
+    for settings in (np.zeros(len(_A_LITTLE)), *np.diag(_A_LITTLE)):
+        sums.append(table.moved(settings).force(table.openings))
+        there = few.moved(settings)
+        parts.append(there.sandwich.pressure(there.at(there.openings, there.gap)) * few.push)
+    force, part = np.concatenate(sums), np.concatenate(parts)
+    sure = force > 0.02 * float(np.max(force))
+    off = 1.0 - part[sure].sum(axis=1) / force[sure]
+    return 1.0 + np.linalg.lstsq(part[sure] / force[sure, None], off, rcond=_RANK)[0]
 
 
 #: Steps of Newton's method, and the difference its slopes are taken over [mm, rad].
