@@ -68,7 +68,8 @@ def step_inside(ground: Ground, box: Box, walls: Walls) -> tuple[Array, Flags, W
         step = step_along(ground, box, along, free)
         force = ground.gradient - ground.normal @ step - ground.damping * ground.size * step
         pushes = np.zeros(len(acting))
-        pushes[acting] = np.linalg.lstsq(along.slopes.T, force, rcond=1e-10)[0]
+        if np.any(acting):
+            pushes[acting] = np.linalg.lstsq(along.slopes.T, force, rcond=1e-10)[0]
         pushed = walls.slopes.T @ np.maximum(pushes, 0.0)
         further = np.where(acting, pushes > 0.0, walls.beyond + walls.slopes @ step > _ON)
         if np.array_equal(further, acting):
@@ -84,12 +85,16 @@ def step_along(ground: Ground, box: Box, walls: Walls, free: Flags) -> Array:
     for _ in range(len(step)):
         # In units of what the data tell of each constant: their own units lie many powers of ten apart.
         unit = 1.0 / np.sqrt(np.maximum(np.diag(ground.normal), ground.size)[free])
-        matrix = ground.normal[np.ix_(free, free)] * np.outer(unit, unit)
+        matrix = ground.normal[free][:, free] * np.outer(unit, unit)
         matrix += np.diag(ground.damping * ground.size[free] * unit**2)
-        onto, ways = _along(walls.slopes[:, free] * unit, -walls.beyond)
-        uphill = ways.T @ (unit * ground.gradient[free] - matrix @ onto)
+        uphill = unit * ground.gradient[free]
         step[:] = 0.0
-        step[free] = unit * (onto + ways @ np.linalg.lstsq(ways.T @ matrix @ ways, uphill, rcond=1e-14)[0])
+        if len(walls.beyond):
+            onto, ways = _along(walls.slopes[:, free] * unit, -walls.beyond)
+            uphill = ways.T @ (uphill - matrix @ onto)
+            step[free] = unit * (onto + ways @ np.linalg.lstsq(ways.T @ matrix @ ways, uphill, rcond=1e-14)[0])
+        else:
+            step[free] = unit * np.linalg.lstsq(matrix, uphill, rcond=1e-14)[0]
         out = box.leaves(step)
         if not np.any(out):
             break
