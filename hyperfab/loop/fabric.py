@@ -17,6 +17,7 @@ from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_constants import constants_of
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, setups_of, smooth_of, states_of
+from hyperfab.loop.near import predicted_near
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
 from hyperfab.materials.effects import anisotropy, grip_slack, load_offset, mullins
@@ -112,6 +113,22 @@ class FabricProblem(Problem):
         if len(self.transverse_rows) == 0:
             return stress
         return np.concatenate([stress, self.whole.across(given, warp, weft)[self.read][self.transverse_rows]])
+
+    def predict_near(self, x: Array, forms: Mapping[str, Form], moved: Array) -> Array:
+        """Return the predictions for sets of all constants next to ``x``."""
+        constants = [*self.own, *(constant for form in forms.values() for constant in form.constants)]
+        of_one = {place: one.curve for place, one in enumerate(constants) if one.curve is not None}
+        every = super().predict_near
+        # Tests that a form does not tell of have the mean of what it tells of all others.
+        if not of_one or max(of_one.values()) + 1 < len(self.tests):
+            return every(x, forms, moved)
+        return predicted_near(x, moved, of_one, self._test, lambda sets: every(x, forms, sets))
+
+    @cached_property
+    def _test(self) -> Ints:
+        """The number of the test of each row."""
+        every = np.repeat(np.arange(len(self.tests)), [len(test.stretch) for test in self.tests])
+        return np.concatenate([every, every[self.transverse_rows]])
 
     def look_alikes(self, forms: Mapping[str, Form]) -> Sequence[frozenset[str]]:
         """Return effects that these tests do not tell apart, whatever they read.

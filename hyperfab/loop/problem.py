@@ -19,7 +19,8 @@ class Constant:
 
     ``value`` is where it starts (the document's value; the null value for a constant of an effect), ``scale`` the
     size of a natural step, ``prior_sd`` one standard deviation of what is known of it beforehand (inf: nothing).
-    ``places`` name what of the domain's set-up a constant of an effect is added to.
+    ``places`` name what of the domain's set-up a constant of an effect is added to; ``curve`` is the number of the one
+    test that it has a say in, None: all may ask for it.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Constant:
     scale: float = 1.0
     prior_sd: float = np.inf
     places: tuple[str, ...] = ()
+    curve: int | None = None
 
     def ends(self, value: float) -> bool:
         """Whether a fit has moved it as far as it may go: others may then make up for the rest of its way.

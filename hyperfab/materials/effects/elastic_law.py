@@ -65,8 +65,14 @@ class Added:
         >>> FORMS["exponential"].split([0.3, 2.0])
         ([0.3], [2.0])
         """
-        named = dict(zip(self.names, map(float, values), strict=True))
-        return [named[name] for name in self.linear], [named[name] for name in self.nonlinear]
+        assert len(values) == len(self.names)
+        linear, others = self._places
+        return [float(values[place]) for place in linear], [float(values[place]) for place in others]
+
+    @cached_property
+    def _places(self) -> tuple[list[int], list[int]]:
+        places = {name: place for place, name in enumerate(self.names)}
+        return [places[name] for name in self.linear], [places[name] for name in self.nonlinear]
 
     def absent(self, values: Sequence[float]) -> bool:
         """Whether nothing is added."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -22,16 +22,19 @@ from hyperfab.materials.effects import (
     rate,
     thermal_softening,
 )
-from hyperfab.materials.effects.kept import Kept
-from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Path, State, second_stretch
+from hyperfab.materials.effects.columns import Columns
+from hyperfab.materials.effects.kept import Kept, told
+from hyperfab.materials.effects.path import GENERAL, MODE_NAMES, SIMPLE_SHEAR, Acts, Path, State
 from hyperfab.materials.effects.threads import Threads
 from hyperfab.materials.hyperfoam import Hyperfoam, HyperfoamLaw, Rows
-from hyperfab.materials.law import Array, InvariantTerm, Law, Sheet, Term, scaled
+from hyperfab.materials.law import Array, Law, scaled
 
 #: A term: its form and its constants, in the order of the form.
 Terms = Mapping[str, tuple[str, Array]]
 #: Steps to the largest stretch of a test in which grips find what the specimen bears.
 _STEPS = 200
+#: An effect that is not there.
+_NONE = ("", np.empty(0))
 #: The effects within the law.
 _IN_LAW: Mapping[str, Mapping[str, Any]] = {
     "anisotropy": anisotropy.FORMS,
@@ -75,14 +78,12 @@ class Fabric:
     reference_degC: float = 20.0
     speed: Array | None = None
     hang: Flags | None = None
-    _bases: Kept = field(default_factory=Kept, repr=False)
-    _sheets: Kept = field(default_factory=Kept, repr=False)
+    _cut: Kept = field(default_factory=Kept, repr=False)
     _foams: Kept = field(default_factory=Kept, repr=False)
     _widths: Kept = field(default_factory=Kept, repr=False)
-    _there: Kept = field(default_factory=Kept, repr=False)
-    _last: tuple[tuple[object, ...], Array, Array, Array] = field(
-        default_factory=lambda: ((None,), np.empty(0), np.empty(0), np.empty(0)), repr=False
-    )
+    _places: Kept = field(default_factory=Kept, repr=False)
+    _states: Kept = field(default_factory=Kept, repr=False)
+    _stages: Kept = field(default_factory=Kept, repr=False)
 
     def stress(self, warp: Array, weft: Array | None, terms: Terms) -> Array:
         """Return the nominal stress [MPa] of every row.
@@ -90,30 +91,64 @@ class Fabric:
         ``warp`` and ``weft`` are the law's constants in its order; without ``weft`` both directions are
         alike. An effect that is not among ``terms`` leaves no trace: the result is bit for bit that of the law.
         """
-        path, turned = self.path.outward, np.where(self.path.pressed, -1.0, 1.0)
         terms = _present(terms)
-        stretch, side, rest, place = self._stretches(terms, warp, weft)
-        kept, values = terms.get("permanent-set", ("", np.empty(0)))
-        itself = self.path.mirrored
+        needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] in hysteresis.OF_ENERGY
         with np.errstate(all="ignore"):
-            stress, energy = self._elastic(warp, weft, terms, (itself(stretch), side), place)
-            stress = turned * stress
-            if kept in permanent_set.NETWORKS:
-                peak = self._peak(path, stretch)
-                second, _ = self._elastic(warp, weft, terms, (itself(stretch / peak), side), (*place, "second"))
-                stress = permanent_set.second_network(stress, turned * second, peak, *values)
-            elif kept:
-                stress = stress * permanent_set.FORMS[kept].section(rest, values)
-            state = State(path, stretch, energy, self.reference_degC, self.speed, kept=self._there)
+            *stretches, place = self._stretches(terms, warp, weft)
+            own = (told(warp), None if weft is None else told(weft), _named(terms, _IN_LAW))
+            key: tuple[object, ...] = (place, needs_energy, own)
+            stress, energy = self._stages.of(
+                key, lambda: self._before_effects(warp, weft, terms, stretches, place, needs_energy)
+            )
+
+            def acted(acts: Acts, before: Array, values: Array) -> tuple[Array]:
+                [there] = self._states.of(place, lambda: (Kept(),))
+                state = State(self.path.outward, stretches[0], energy, self.reference_degC, self.speed, kept=there)
+                return (acts(state, before, values),)
+
             for name, forms in _ON_STRESS.items():
                 if name in _OF_THE_MACHINE:
-                    stress = turned * stress
+                    stress = self._turned * stress
                     if self.hang is not None:
                         stress = np.where(self.hang, np.maximum(stress, 0.0), stress)
                 if name in terms:
                     form, values = terms[name]
-                    stress = forms[form](state, stress, values)
+                    # A slope by a constant of one effect asks for what the others before it answer once more.
+                    key = (key, name, form, told(values))
+                    [stress] = self._stages.of(key, partial(acted, forms[form], stress, values))
         return np.asarray(stress)
+
+    @cached_property
+    def _columns(self) -> Columns:
+        return Columns(self.law, self.path)
+
+    @cached_property
+    def _turned(self) -> Array:
+        return np.where(self.path.pressed, -1.0, 1.0)
+
+    def _before_effects(
+        self,
+        warp: Array,
+        weft: Array | None,
+        terms: Terms,
+        stretches: Sequence[Array],
+        place: tuple[object, ...],
+        needs_energy: bool,
+    ) -> tuple[Array, Array]:
+        """Return stress and energy of the law, with what the specimen keeps."""
+        stretch, side, rest = stretches
+        itself, turned = self.path.mirrored, self._turned
+        kept, values = terms.get("permanent-set", _NONE)
+        stress, energy = self._elastic(warp, weft, terms, (itself(stretch), side), place, needs_energy)
+        stress = turned * stress
+        if kept in permanent_set.NETWORKS:
+            peak = self._peak(self.path.outward, stretch)
+            second = (itself(stretch / peak), side)
+            more, _ = self._elastic(warp, weft, terms, second, (*place, "second"), needs_energy)
+            stress = permanent_set.second_network(stress, turned * more, peak, *values)
+        elif kept:
+            stress = stress * permanent_set.FORMS[kept].section(rest, values)
+        return stress, energy
 
     def across(self, terms: Terms, warp: Array | None = None, weft: Array | None = None) -> Array:
         """Return the transverse stretch of uniaxial rows; the other rows are without meaning.
@@ -143,7 +178,7 @@ class Fabric:
                 found = self._of_threads(warp, terms, (stretch, side), place)[2]
         else:
             found = contracted(stretch, "pulled")
-        kept, values = terms.get("permanent-set", ("", np.empty(0)))
+        kept, values = terms.get("permanent-set", _NONE)
         power = permanent_set.FORMS[kept].contraction(values) if kept in permanent_set.FORMS else 0.0
         return found if power == 0.0 else found * contracted(self.path.mirrored(1.0 + rest), "at rest") ** power
 
@@ -156,14 +191,14 @@ class Fabric:
         self, terms: Terms, warp: Array | None, weft: Array | None
     ) -> tuple[Array, Array, Array, tuple[object, ...]]:
         """Return the elastic stretch, that along a general biaxial test's other axis, the set, and what tells them."""
-        slack, kept = (terms.get(name, ("", np.empty(0))) for name in ("grip-slack", "permanent-set"))
+        slack, kept = terms.get("grip-slack", _NONE), terms.get("permanent-set", _NONE)
         if kept[0] not in permanent_set.FORMS:
-            kept = "", np.empty(0)
-        place: tuple[object, ...] = (*slack[:1], *slack[1], *kept[:1], *kept[1])
+            kept = _NONE
+        place = _named(terms, ("grip-slack", "permanent-set"))
         if slack[0] in grip_slack.OF_LOAD:
-            place += tuple((name, terms[name][0], *terms[name][1]) for name in _BORNE if name in terms)
-            place += tuple(None if one is None else tuple(one) for one in (warp, weft))
-        if self._last[0] != place:
+            place += (_named(terms, _BORNE), *(None if one is None else told(one) for one in (warp, weft)))
+
+        def led() -> tuple[Array, Array, Array]:
             path = self.path.outward
             stretch, side = path.stretch, path.across
             if slack[0] in grip_slack.OF_LOAD:
@@ -175,8 +210,9 @@ class Fabric:
                 stretch, rest = self._without_set(path, stretch, *kept)
                 if np.any(path.mode == GENERAL):
                     side, _ = self._without_set(path.other_axis, side, *kept)
-            self._last, self._there = (place, stretch, side, rest), Kept()
-        return *self._last[1:], place
+            return stretch, side, rest
+
+        return *self._places.of(place, led), place
 
     def _yielded(self, terms: Terms, warp: Array | None, weft: Array | None) -> Array:
         """Return the stretch of specimens whose grips give with the load that the law has them bear."""
@@ -240,8 +276,8 @@ class Fabric:
         terms: Terms,
         stretches: tuple[Array, Array],
         place: tuple[object, ...],
+        needs_energy: bool,
     ) -> tuple[Array, Array]:
-        needs_energy = "mullins" in terms or terms.get("hysteresis", ("",))[0] in hysteresis.OF_ENERGY
         if _is_of_threads(terms):
             return self._of_threads(warp, terms, stretches, place)[:2]
 
@@ -266,7 +302,7 @@ class Fabric:
             nu = compressibility.FORMS[form].poisson(values)
             constants |= {} if nu is None else {"nu": nu}
         # Stress and stretch across ask for it, and so does every effect that it does not depend on.
-        stress, energy, across = self._sheets.of(
+        stress, energy, across = self._cut.of(
             (place, *constants.items()), lambda: self._threads.answer(constants, *stretches)
         )
         if "elastic-law" in terms:
@@ -294,13 +330,10 @@ class Fabric:
         if self.law.nonlinear and self.law.refusal(given) is not None:
             return np.full_like(stretches[0], np.nan), np.full_like(stretches[0], np.nan)
         c, theta = self.law.split(given)
-        extra_form, extra = elastic_law.along(*terms.get("elastic-law", ("", np.empty(0))), weft)
+        extra_form, extra = elastic_law.along(*terms.get("elastic-law", _NONE), weft)
         linear, shape = elastic_law.FORMS[extra_form].split(extra) if extra_form else ([], [])
-        nu = terms.get("compressibility", ("", np.empty(0)))
-        key = (tuple(theta), place, extra_form, tuple(shape), nu[0], tuple(nu[1]), needs_energy)
-        columns, energies = self._bases.of(
-            key, lambda: self._basis(theta, stretches, extra_form, shape, terms, needs_energy)
-        )
+        nu = terms.get("compressibility", _NONE)
+        columns, energies = self._columns.of(theta, stretches, place, (extra_form, shape), nu, needs_energy)
         weights = np.array([*c, *linear])
         stress = columns @ weights
         return stress, energies @ weights if energies is not None else np.zeros_like(stress)
@@ -310,7 +343,7 @@ class Fabric:
     ) -> tuple[Array, Array, Array]:
         """Return stress, energy (0 unless needed) and stretch across of a foam: its free sides ask for all constants
         together."""
-        form, values = terms.get("elastic-law", ("", np.empty(0)))
+        form, values = terms.get("elastic-law", _NONE)
         key = (needs_energy, tuple(constants), form, tuple(values), *(one.tobytes() for one in stretches))
         names = (*self.law.names, *(elastic_law.FORMS[form].names if form else ()))
         given = dict(zip(names, map(float, (*constants, *values)), strict=True))
@@ -340,45 +373,6 @@ class Fabric:
                 found[:, at] = rows.stress(law, e), energy, np.exp(e[:, 2])
         return found
 
-    def _basis(
-        self,
-        theta: Sequence[float],
-        stretches: tuple[Array, Array],
-        extra_form: str,
-        shape: Sequence[float],
-        terms: Terms,
-        needs_energy: bool,
-    ) -> tuple[Array, Array | None]:
-        factor: Array | float = 1.0
-        l1, l2 = stretches[0], self._second(theta, *stretches)
-        if "compressibility" in terms:
-            form, values = terms["compressibility"]
-            l1, l2, factor = compressibility.FORMS[form].state(self.path, l1, l2, values)
-        return self._columns(theta, Sheet.of(l1, l2), extra_form, shape, factor, needs_energy)
-
-    def _columns(
-        self,
-        theta: Sequence[float],
-        sheet: Sheet,
-        extra_form: str,
-        shape: Sequence[float],
-        factor: Array | float,
-        needs_energy: bool,
-    ) -> tuple[Array, Array | None]:
-        """Return the stress (times ``factor``) and the energy of each term of the law in a state of the sheet."""
-        parts: list[Term] = list(self.law.terms(sheet, theta))
-        if extra_form:
-            parts += elastic_law.FORMS[extra_form].terms(sheet, *shape)
-        nothing = 0.0 * sheet.l1
-        columns = np.stack([part.stress(sheet) * factor + nothing for part in parts], axis=1)
-        if not needs_energy:
-            return columns, None
-        return columns, np.stack([_energy(part, sheet) + nothing for part in parts], axis=1)
-
-    def _second(self, theta: Sequence[float], stretch: Array, side: Array) -> Array:
-        """Return the second stretch where the sheet contracts as its law has it."""
-        return second_stretch(self.path.mode, stretch, stretch ** -self.law.contraction(theta), side)
-
 
 def _present(terms: Terms) -> Terms:
     """Return the terms less those at a null that would leave rounding behind: the law is then itself to the bit."""
@@ -389,12 +383,11 @@ def _present(terms: Terms) -> Terms:
     }
 
 
+def _named(terms: Terms, names: Iterable[str]) -> tuple[object, ...]:
+    """Return what tells those of the ``terms`` from others that have one of the ``names``."""
+    return tuple((name, terms[name][0], told(terms[name][1])) for name in names if name in terms)
+
+
 def _is_of_threads(terms: Terms) -> bool:
     form = anisotropy.form_of(terms)
     return form is not None and form.whole
-
-
-def _energy(term: Term, sheet: Sheet) -> Array:
-    if isinstance(term, InvariantTerm):
-        return np.asarray(term.W() if callable(term.W) else term.W)
-    return term.membrane(sheet).W

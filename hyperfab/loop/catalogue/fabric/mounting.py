@@ -24,7 +24,7 @@ def grip_slack(context: DataContext) -> Effect:
     starts = ((0.03 * reach,), (0.1 * reach,), (-0.02 * reach,))
     forms = [Form("play", (slack,), starts, ((0.005 * reach,),))]
     count = len(context.path.curves)
-    own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step) for k in range(2, count + 1)]
+    own = [Constant(f"of_test_{k}", 0.0, -0.3 * reach, high, step, curve=k - 1) for k in range(2, count + 1)]
     each = Form("each", (slack, *own), ((0.03 * reach, *(0.0 for _ in own)),), refines="play", of_each=True)
     forms += tried_if(count > 1, _alone(context, each, 0.005 * reach))
     toe = Constant("toe", 0.0, 0.0, high, step)
@@ -88,13 +88,13 @@ def load_offset(context: DataContext) -> Effect:
         smooth = freely((*forms, drifting, settling), "smooth", free, (whole, step, *3 * (0.0,)))
         forms += tried_if(told, drifting, settling, smooth)
     count = len(context.path.curves)
-    own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step) for k in range(2, count + 1)]
+    own = [Constant(f"of_test_{k}_MPa", 0.0, -most, most, step, curve=k - 1) for k in range(2, count + 1)]
     begin = (step, *(0.0 for _ in own))
     each = Form("each", (offset, *own), (begin,), refines="constant", of_each=True)
     forms += tried_if(count > 1, _alone(context, each, step))
     if context.path.knows_time:
         most = 0.5 * MOST_OFF * peak
-        drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step) for k in range(1, count + 1)]
+        drifts = [Constant(f"drift_of_{k}_MPa", 0.0, -most, most, step, curve=k - 1) for k in range(1, count + 1)]
         begin = (*begin, *(0.0 for _ in drifts))
         drifting = freely(forms, "each-drift", (offset, *own, *drifts), begin)
         warming = freely([drifting], "each-settling", (*drifting.constants, tau), (*begin, tau.value))
