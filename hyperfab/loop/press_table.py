@@ -23,8 +23,8 @@ from hyperfab.pressing.sandwich import Sandwich
 _KNOTS, _PLACES = 25, 800
 #: Bands of height the places are drawn from, as many as places around each.
 _BANDS = isqrt(_PLACES)
-#: Turns [rad], strains and offsets [mm] at which what the force is summed over is set to rights, and how small a part of
-#: that is left as it is.
+#: Turns [rad], strains and offsets [mm] at which what the force is summed over is set to rights, and how small a part
+#: of that is left as it is.
 _A_LITTLE, _RANK = np.array([2e-3, 2e-3, 2e-3, 2e-3, 0.1, 0.1]), 1e-3
 #: How much further [mm] the table reaches than what the model itself needs: what effects may shift it by.
 MARGIN = 1.0

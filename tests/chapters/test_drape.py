@@ -532,6 +532,11 @@ def test_a_pin_that_stands_through_the_net_is_told_with_its_size(drape, folder):
     assert document["stands_through_mm"] == pytest.approx(6.0, abs=0.1)
     assert document["stands_through_at_mm"]["draped"][2] == pytest.approx(row[:, 2].mean() + 6.0, abs=1e-3)
     assert "mm out through the net" in err
+    long = trimesh.util.concatenate([*balls, pin.apply_translation([0.0, 0.0, 8.0])])  # 14 mm, the spacing is 5 mm
+    (folder / "pin.stl").write_bytes(stl_bytes(long.vertices, long.faces))
+    status, out, err = drape(*options, mold="pin.stl")
+    assert (status, json.loads(out)["converged"]) == (4, True)
+    assert "more than 2 spacings: part of it passes between the nodes" in err
 
 
 def test_a_depth_that_locks_the_law_is_named(drape, folder):

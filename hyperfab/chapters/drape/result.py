@@ -11,6 +11,7 @@ from hyperfab.chapters.drape.fabric import use_of
 from hyperfab.chapters.drape.model import Model, State
 from hyperfab.chapters.job import Job
 from hyperfab.cloth import Answers, Sheet
+from hyperfab.cloth.cascade import PASSED
 from hyperfab.cloth.depth import stands_out
 from hyperfab.cloth.friction import SLIDES, STARTS, STICKS
 from hyperfab.cloth.mold import FREE
@@ -191,15 +192,14 @@ def judge(job: Job, document: DrapeDocument, state: State) -> bool:
     faults = list(_faults(document, state.fields))
     job.console.warn(*faults)
     document.status = "; ".join([*([] if document.status is None else [document.status]), *faults]) or None
-    if document.stands_through_mm and document.stands_through_at_mm and not faults:
-        spacing = max(s / (k - 1) for s, k in zip(document.size_mm, document.grid, strict=True))
-        if document.stands_through_mm > THROUGH * spacing:
-            x, y = document.stands_through_at_mm.flat
-            odd = ", or an odd one, which has a node in its middle" if min(k % 2 for k in document.grid) == 0 else ""
-            job.console.warn(
-                f"the mold stands {document.stands_through_mm:.3g} mm out through the net, between the nodes about "
-                f"({x:.4g}, {y:.4g}) mm of the flat sheet: take a finer --grid{odd}"
-            )
+    through, at = document.stands_through_mm or 0.0, document.stands_through_at_mm
+    if through > THROUGH * _spacing(document) and at is not None and not faults:
+        x, y = at.flat
+        odd = ", or an odd one, which has a node in its middle" if min(k % 2 for k in document.grid) == 0 else ""
+        job.console.warn(
+            f"the mold stands {through:.3g} mm out through the net, between the nodes about ({x:.4g}, {y:.4g}) mm of "
+            f"the flat sheet: take a finer --grid{odd}"
+        )
     return document.converged and not faults
 
 
@@ -239,6 +239,16 @@ def _faults(document: DrapeDocument, fields: Answers) -> Iterator[str]:
             f"the mold stands {through:.3g} mm out through the net and bears nothing of it: it has passed between the "
             f"nodes ({_held_by(fields)})"
         )
+    elif through > PASSED * _spacing(document):
+        yield (
+            f"the mold stands {through:.3g} mm out through the net, more than {PASSED:g} spacings: part of it passes "
+            f"between the nodes, and the force is too low ({_held_by(fields)})"
+        )
+
+
+def _spacing(document: DrapeDocument) -> float:
+    """Return the longer side of the grid's cells in the flat sheet [mm]."""
+    return max(side / (count - 1) for side, count in zip(document.size_mm, document.grid, strict=True))
 
 
 def _held_by(fields: Answers) -> str:
