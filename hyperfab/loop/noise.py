@@ -12,6 +12,8 @@ from hyperfab.arrays import Array, Ints
 from hyperfab.loop.problem import Curve
 from hyperfab.loop.thresholds import TOLD
 
+#: A common cause is left out along what it widens the noise by less than half of this, as a share.
+_FELT = 1e-3
 #: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
 Shape = tuple[Ints, Array, float]
 
@@ -159,7 +161,7 @@ class Noise:
         noise of a reading these scatter along each (r,), and how much of each cause is in them (k, r)."""
         told = self.common / self.sd[:, None]
         squares, ways = np.linalg.eigh(told.T @ told)
-        seen = squares > 1e-6 * np.max(squares, initial=1e-6)
+        seen = squares > _FELT
         ways, size = ways[:, seen], np.sqrt(squares[seen])
         return (told @ ways) / size, np.sqrt(1.0 + squares[seen]), ways
 

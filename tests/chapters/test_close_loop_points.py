@@ -473,6 +473,7 @@ def test_pretension_of_a_punched_sheet_is_found(tmp_path: Path, hf: Run) -> None
     assert extended["setup"]["prestretch"] > 1.005
 
 
+@pytest.mark.slow
 def test_a_depth_of_next_to_nothing_asks_for_no_clamp_that_nobody_can_give(tmp_path: Path, hf: Run) -> None:
     """Metres read as millimetres: the loop ended with status 2 and a --rim-slip that nobody had given."""
     fabric = {"format": "hyperfab.material/1", "model": "yeoh-2", "thickness_mm": discs.THICK,

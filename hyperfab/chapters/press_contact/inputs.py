@@ -47,9 +47,9 @@ _REFERENCE_RANGE = (-50.0, 60.0)
 Shape = tuple[Surface, Drawn | None]
 
 
-def read_molds(job: Job, case: PressCase) -> tuple[tuple[Shape, Shape], PressFrame, float]:
+def read_molds(job: Job, case: PressCase, offset: np.ndarray) -> tuple[tuple[Shape, Shape], PressFrame, float]:
     """Read both molds, find how they close, and how far their facets stand off them [mm]. Winding is mended and said;
-    what cannot be mended is refused.
+    what cannot be mended is refused. The female is mounted ``offset`` (3,) [mm] from where it is drawn.
 
     Gaps, temperatures and thicknesses are known at the corners of facets: large ones are cut, of the male, from whose
     corners gaps are measured, further beneath edges of the female.
@@ -74,9 +74,12 @@ def read_molds(job: Job, case: PressCase) -> tuple[tuple[Shape, Shape], PressFra
                     job.console.warn(f"{name}: all facets face away from the other mold; they were turned over")
             smooth = case.facets == "smooth"
             facing = frame.direction, -frame.direction
+            mounted = [
+                Surface(one.vertices + by, one.faces) for one, by in zip(surfaces, (-offset, offset), strict=True)
+            ]
             male, female = (
                 dense(surface, towards, other, smooth, edges)
-                for surface, other, towards, edges in zip(surfaces, surfaces[::-1], facing, (True, False), strict=True)
+                for surface, other, towards, edges in zip(surfaces, mounted[::-1], facing, (True, False), strict=True)
             )
             off = (_chord_error(one, towards, smooth) for one, towards in zip(surfaces, facing, strict=True))
             return (male, female), frame, sum(off)

@@ -94,13 +94,13 @@ def read_files(job: Job, case: PressCase) -> Files:
     note_temperature(job, case.foam, document, warm)
     layers = fabrics(job, case.foam, document, warm)
     expansions = read.expansions(job.inputs, case.foam, document)
-    molds, frame, chord_error = read.read_molds(job, case)
+    tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
+    molds, frame, chord_error = read.read_molds(job, case, offset)
     one, _ = molds[0]
     thickness = document.thickness + layers.thickness
     beside = f"the sandwich {thickness:.3g} mm thick"
     ask_unit(job, case.male, one, case.stl_unit, beside, LEAST_LAYERS * thickness, np.inf)
     uneven = read.variation(case.foam, document, case.axis, one.vertices)
-    tilt, offset = (read.across(case.foam, document, key, case.axis) for key in ("tilt", "offset"))
     if case.floating and tilt.any():
         raise UsageError("a floating mold finds its tilt by itself: leave out --float, or the tilt")
     thinned, rule, draped = None, "", None
