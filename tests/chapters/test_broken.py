@@ -20,6 +20,7 @@ def write(path: Path, tail: str) -> None:
     path.write_text(f"# test: uniaxial\n# thickness: 1 mm\nstretch,stress [MPa]\n{rows}{tail}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tail",
     [pytest.param("3.01,0.003\n", marks=pytest.mark.slow), "3.0,0.2\n3.01,0.06\n3.02,0.004\n3.03,-0.001\n1.2,0.002\n"],

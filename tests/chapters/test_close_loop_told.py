@@ -254,6 +254,7 @@ def test_readings_at_the_end_of_the_range_and_spikes_are_told_and_left_out(hf: R
     assert found["verdict"] == "noise"
 
 
+@pytest.mark.slow
 def test_a_prediction_that_got_worse_is_not_passed_over(hf: Run, model: Path) -> None:
     """The files set apart disagree with those that take part: no effect may make that more."""
     files = [

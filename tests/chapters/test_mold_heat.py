@@ -395,6 +395,7 @@ def test_a_mold_that_begins_above_its_target_is_told_and_no_power_is_sought(tmp_
     assert refused.value.key == "run.start"
 
 
+@pytest.mark.slow
 def test_a_quench_through_a_film_that_falls_steeply_is_followed_in_shorter_steps(tmp_path):
     """Water boils most at 120 degC and keeps off a hotter wall: against the thin plate as one body, by Runge-Kutta."""
     film = np.array([[20.0, 500.0], [100.0, 2000.0], [120.0, 20000.0], [130.0, 500.0], [400.0, 300.0]])

@@ -56,7 +56,12 @@ def run(tmp_path: Path, monkeypatch, capfd) -> Callable[..., tuple[dict[str, Any
 
 
 @pytest.mark.parametrize(
-    "command", [("drape", *DRAPE), ("drape", *DRAPE, "--sheet", "membrane"), ("fabric-contact", *PRESS)]
+    "command",
+    [
+        ("drape", *DRAPE),
+        pytest.param(("drape", *DRAPE, "--sheet", "membrane"), marks=pytest.mark.slow),
+        pytest.param(("fabric-contact", *PRESS), marks=pytest.mark.slow),
+    ],
 )
 def test_a_thickness_that_is_given_changes_no_force_of_constants_per_width(run, command):
     name, *words = command
@@ -88,6 +93,7 @@ def test_a_test_that_knows_its_thickness_tells_it_of_the_other_direction(run, tm
     assert over["force_N"] == pytest.approx(wide["force_N"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_sheet_is_compared_over_the_thickness_of_the_first(run):
     alone, _ = run("fabric-contact", "knit.json", *PRESS, "-o", "-")
     found, _ = run("fabric-contact", "thick.json", "--against", "knit.json", *PRESS, "-o", "-")

@@ -170,6 +170,7 @@ def test_a_disc_does_not_tell_how_its_fabric_lies_in_it():
     assert spread[1] < 0.4 * spread[0]
 
 
+@pytest.mark.slow
 def test_a_disc_rubs_as_published():
     """Coulomb friction 0.3 at 60 mm: 44.0083 N, about 18.9 N mm rubbed away."""
     sheet = disc(61, 61, IsotropicSheet(RUBBER))

@@ -514,6 +514,7 @@ def pulls_of_a_saturating_cloth(seed: int) -> list[TestCurve]:
     ]
 
 
+@pytest.mark.slow
 def test_a_law_of_another_kind_is_not_laid_to_the_grips_and_lets_other_tests_rise_too() -> None:
     problem = fabric_problem(law("yeoh-3"), [4.0, -17.0, 44.0], pulls_of_a_saturating_cloth(1))
     after = close(problem, design=False).after

@@ -57,6 +57,7 @@ def led(stretched: Stretched, tops: Sequence[float], mode: str, seed: int) -> Te
     return TestCurve(mode, lam[bearing], stress[bearing], time_s=time[bearing], source=name, specimen=name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stretched", "modes"),
     [

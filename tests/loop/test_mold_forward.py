@@ -58,6 +58,7 @@ def bar() -> applied.Posed:
     return applied.posed(BAR.encode(), Path())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rate", [pytest.param(-0.0015, marks=pytest.mark.slow), 0.004])
 def test_a_conductivity_that_changes_goes_by_where_the_part_is_hot(hf: Run, tmp_path: Path, rate: float) -> None:
     """By one mean temperature of the bar the hot end was off by 0.7 and 1.1 K."""

@@ -276,6 +276,7 @@ def test_an_edge_of_contact_that_lies_elsewhere_is_no_noise(seed: int) -> None:
     assert "tilt" in found.indistinguishable[0]
 
 
+@pytest.mark.slow
 def test_ones_and_zeros_of_a_press_as_it_is_are_noise_at_the_edge_alone() -> None:
     for seed in range(4):
         found = of_contact((), seed)

@@ -48,6 +48,7 @@ def way(*turns: float) -> Array:
     return np.concatenate([[1.0], *(np.linspace(a, b, 41)[1:] for a, b in zip(ends, turns, strict=False))])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "yields"), [pytest.param(1, 0.15, marks=pytest.mark.slow), (2, 0.25)])
 def test_a_sheet_that_flows_has_a_set_and_no_softening(seed: int, yields: float) -> None:
     """It is slack after each pull, which no softening makes it, and thinner by what it flowed.

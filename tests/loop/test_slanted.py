@@ -83,6 +83,7 @@ def test_what_a_testing_machine_may_be_off_asks_for_no_other_name() -> None:
     assert not Judgement(1.5, 0.7, 0.7, 1e-20, 1e-20, 1e-20).is_small
 
 
+@pytest.mark.slow
 def test_a_laminate_at_seven_angles_is_anisotropic() -> None:
     """Ogden's law has no threads of its own, and no formula comes near: each specimen had a slack of its own."""
     sheet = Orthotropic.of({"C10_MPa": 0.3, "k1_warp_MPa": 4.0, "k1_weft_MPa": 9.0, "k1_bias_MPa": 1.5})

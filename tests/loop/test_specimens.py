@@ -148,6 +148,7 @@ def one_of_each(seed: int, soften: float) -> Finding:
     return close(fabric_problem(law("yeoh-3"), (0.4, -0.04, 0.03), tests, weft=weft), design=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.slow), 1])
 def test_what_single_specimens_scatter_by_is_noise_to_verdict_and_belief_alike(seed: int) -> None:
     one = one_of_each(seed, 0.2)

@@ -14,6 +14,7 @@ from tests.membrane.references import NEO_HOOKEAN
 LAW = IsotropicSheet(bind("neo-hookean", NEO_HOOKEAN))
 
 
+@pytest.mark.slow
 def test_the_punch_is_less_deep_than_the_machine_reads():
     """Force at the punch's own depth by shooting; the curve met at the depths that were asked for."""
     test = SphereTest(outline.Disc(100.0, quarter=True), LAW, 1.0, 40.0, mesh_size=15.0, frame=0.08)

@@ -204,6 +204,7 @@ def test_a_square_mounted_slack_settles_with_friction():
     assert forces[1] > 1.01 * forces[0]
 
 
+@pytest.mark.slow
 def test_what_hangs_is_settled_once_and_not_at_each_creep(monkeypatch):
     """A square whose corners hang: the force that comes of settling them at each creep, in half the Newton steps."""
     press, path = rough_path(_test(Frictionless(), 0.97, outline.Square(200.0, quarter=True)), [25.0])

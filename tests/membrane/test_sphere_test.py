@@ -151,6 +151,7 @@ def test_square_sheet(depth):
     assert wrinkled_fraction(solved.press.sheet, solved.state.places) == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", [0.97, pytest.param(0.9, marks=pytest.mark.slow)])
 def test_a_square_mounted_slack_is_followed_while_its_corners_hang(hold):
     """Its sides are taut before its corners are: points go to and fro there between slack and wrinkled."""
