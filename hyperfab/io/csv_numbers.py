@@ -286,11 +286,17 @@ def seconds(sheet: CsvSheet, heading: Heading) -> Array:
 
 def beside_clock(sheet: CsvSheet, heading: Heading) -> Heading | None:
     """Return the first column of dates, not all one day, beside one of times of day that have none, or None."""
-    if any((match := MOMENT.fullmatch(cell)) is None or match["date"] for cell in sheet.columns[heading.index]):
+    # One of dates begins with one: of a long log no other column is looked through.
+    likely = [
+        one for one in sheet.headings if one.name != "aside" and all(map(_day_alone, sheet.columns[one.index][:1]))
+    ]
+    if not likely or any(
+        (match := MOMENT.fullmatch(cell)) is None or match["date"] for cell in sheet.columns[heading.index]
+    ):
         return None
-    for one in sheet.headings:
+    for one in likely:
         days = set(sheet.columns[one.index])
-        if len(days) > 1 and one.name != "aside" and all(_day_alone(day) for day in days):
+        if len(days) > 1 and all(map(_day_alone, days)):
             return one
     return None
 

@@ -256,7 +256,7 @@ def _worth(table: PressTable, few: PressTable) -> Array:
     for settings in (np.zeros(len(_A_LITTLE)), *np.diag(_A_LITTLE)):
         sums.append(table.moved(settings).force(table.openings))
         there = few.moved(settings)
-        parts.append(there.sandwich.pressure(there.at(there.openings, there.gap)) * few.push)
+        parts.append(there.sandwich.pressure(there.gap) * few.push)
     force, part = np.concatenate(sums), np.concatenate(parts)
     sure = force > 0.02 * float(np.max(force))
     off = 1.0 - part[sure].sum(axis=1) / force[sure]

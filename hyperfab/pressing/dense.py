@@ -76,18 +76,14 @@ def dense(
     within = np.linalg.norm(over - centre, axis=1).max() + longest
     cut = shorter < longest
     while cut:
-        corners = (vertices @ across)[faces]
-        middle = corners.mean(axis=1)
-        reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+        middle, reach = _circles(vertices @ across, faces)
         beneath = np.linalg.norm(middle - centre, axis=1) - reach <= within
         vertices, faces, of, cut = _cut(vertices, faces, of, looking[of] & beneath, shorter)
     finest = min(shorter, longest) * _AT_EDGES
     line = _edges_beneath(other, surface, towards, finest) @ across if edges else np.zeros((0, 3))
     cut = len(line) > 0
     while cut:
-        corners = (vertices @ across)[faces]
-        middle = corners.mean(axis=1)
-        reach = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+        middle, reach = _circles(vertices @ across, faces)
         chosen = np.flatnonzero(looking[of] & (np.sqrt(3.0) * reach > finest * (1.0 + _ROUNDED)))
         away = cKDTree(line).query(middle[chosen])[0] - reach[chosen]
         at_edge = np.zeros(len(faces), dtype=bool)
@@ -103,6 +99,13 @@ def dense(
     new = np.arange(len(surface.vertices), len(vertices))
     vertices[new] += _straightened(curving(surface, smooth)).off(face[new], vertices[new])
     return Surface(vertices, faces), drawn
+
+
+def _circles(vertices: Array, faces: Ints) -> tuple[Array, Array]:
+    """Return the middles (m, 3) of facets and how far from them their farthest corner is (m,)."""
+    corners = vertices[faces]
+    middle = corners.mean(axis=1)
+    return middle, np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
 
 
 def _seen(surface: Surface, towards: Array) -> Flags:

@@ -71,7 +71,7 @@ def run(job: Job, given: Given) -> int:
     ruled = [heater.power or 0.0 for heater in document.heater if heater.control is not None]
     rated = sum(ruled) if len(ruled) == len(document.heater) and all(ruled) else None
     read = read_thermocouples(job, given.case.readings[0], probes, given.layout, rated)
-    if any(heater.control is not None for heater in document.heater) and read.power is None:
+    if _is_ruled(document) and read.power is None:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
             file=given.case.model,
@@ -184,7 +184,12 @@ def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: flo
 
 def _seen(document: MoldDocument, read: Thermocouples) -> Array | None:
     """Return the power [W] that thermostats were seen to draw; None where there is none, or nobody read it."""
-    return read.power if any(heater.control is not None for heater in document.heater) else None
+    return read.power if _is_ruled(document) else None
+
+
+def _is_ruled(document: MoldDocument) -> bool:
+    """Whether any heater has a thermostat."""
+    return any(heater.control is not None for heater in document.heater)
 
 
 def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array) -> ReducedMold:
@@ -349,8 +354,7 @@ def written_otherwise(
     mold answers for to a share of that. A thermostat that was seen to switch is not followed.
     """
     changing = "property-drift" in found.after.ids or problem.runs[0].mold.changes.shape[2] > 1
-    ruled = any(heater.control is not None for heater in given.document.heater)
-    if not found.after.ids or not changing or ruled:
+    if not found.after.ids or not changing or _is_ruled(given.document):
         return
     path = str(out.path(".model.toml"))
     times, kept = problem.runs[0].times, problem.runs[0].kept
