@@ -137,12 +137,12 @@ def read_table(
     sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
     sheet = _a_column_each(sheet, called, rest) if rest is not None and gaps else sheet
     wanted: dict[str, tuple[Heading, str]] = {}
-    added: list[Heading] = []  # what several heaters draw adds up
+    added: dict[str, list[Heading]] = {}  # what several heaters draw adds up
     for column, asked in {**columns, **(optional or {})}.items():
         kind = _kind(asked)
         drawn = [one for one in sheet.headings if one.name == column and layout.choice(one, sheet.headings)]
         if kind == "power" and len(drawn) > 1:
-            wanted[column], added = (drawn[0], kind), drawn[1:]
+            wanted[column], added[column] = (drawn[0], kind), drawn[1:]
             continue
         heading = sheet.find(column) or (_moments(sheet) if kind == "time" and column in columns else None)
         if heading is None and column in columns:
@@ -181,7 +181,8 @@ def read_table(
             values[column] = -values[column]
     for column, (_, kind) in wanted.items():
         if kind == "power":
-            values[column] = values[column] + sum(quantities(sheet, one, kind, mark, name=column) for one in added)
+            more = added.get(column, ())
+            values[column] = values[column] + sum(quantities(sheet, one, kind, mark, name=column) for one in more)
         elif kind == "time" and len(values[column]) and abs(values[column][0]) > _MOMENT:
             values[column] = values[column] - values[column][0]
     if increasing is not None:
@@ -190,7 +191,8 @@ def read_table(
     lines = np.array(sheet.lines, dtype=np.int64)
     clocks = [heading for heading, kind in wanted.values() if kind == "time"]
     dates = [one for head in clocks if (one := beside_clock(sheet, head)) is not None]
-    unread = [one for one in _unread(sheet, wanted) if one not in (*dates, *added)]
+    more_of_one = [one for several in added.values() for one in several]
+    unread = [one for one in _unread(sheet, wanted) if one not in (*dates, *more_of_one)]
     shares = tuple(one.title for one in unread if one.unit == "%")
     return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in unread), shares)
 

@@ -74,6 +74,8 @@ class HeatProblem(Problem):
     names: Sequence[str]
     base: Sequence[str | tuple[int, int]] = ()
     tables: Mapping[str, Table] = field(default_factory=dict)
+    #: Numbers of the heaters whose power was read.
+    read: tuple[int, ...] = ()
 
     def predict(self, own: Array, terms: Mapping[str, tuple[str, Array]]) -> Array:
         """Return the temperatures [degC] of every probe at every time, probe after probe."""

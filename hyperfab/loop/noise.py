@@ -140,12 +140,15 @@ class Noise:
         return self._along_causes(self._less(whitened, 0.5), 1.0) * self.sd[:, None]
 
     def owed(self, left: Array) -> Array:
-        """Return what of ``left`` (rows) the common causes are likely to have done, (rows,)."""
+        """Return what of ``left`` (rows) the common causes are likely to have done, (rows,).
+
+        While a model is wrong its misfit counts as noise: no cause does many times what it may to make up for it.
+        """
         if not self.common.size:
             return np.zeros(len(self.sd))
         _, wide, ways = self._causes
-        told = self.common.T @ (left / self.sd**2)
-        return self.common @ (ways @ ((ways.T @ told) / wide**2))
+        told, missed = self.common.T @ (left / self.sd**2), max(float(np.mean(self.whiten(left) ** 2)), 1.0)
+        return self.common @ (ways @ ((ways.T @ told) / (wide**2 - 1.0 + missed)))
 
     def _along_causes(self, scaled: Array, power: float) -> Array:
         """Return values or columns as many times as large, along what the common causes do, as a power of how wide that

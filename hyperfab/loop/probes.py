@@ -19,7 +19,7 @@ from hyperfab.loop.judge import Candidate, common_bic, structured
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Constant, Curve, Form, split
 from hyperfab.loop.search import Search
-from hyperfab.loop.thresholds import MARGIN, SHARE, SMALL
+from hyperfab.loop.thresholds import MARGIN, MOST, SHARE, SMALL
 from hyperfab.numerics.gram import orthonormal
 
 #: Steps of a fit to a log put right: it either leaves noise soon or is not right.
@@ -96,7 +96,7 @@ class Log:
                 "check its clock, and when it was started"
             ]
         if found.verdict == "unexplained":
-            return found, [*_begun(problem), *_alone(problem, found)]
+            return found, [*_begun(problem), *_alone(problem, found), *_nearer_exchanged(problem, found)]
         if "sensor-lag" not in found.after.ids:
             return found, []
         return _or_late(problem, found)
@@ -108,6 +108,8 @@ class Log:
             problem = self.problem
             small = structured(before.fit, problem, noise) <= SMALL
             crossed = _crossed(problem, noise, before.fit)
+            if crossed is not None and not crossed.leaves_noise(problem, noise):
+                crossed = None
             clock = None if small or crossed is not None else wrong_clock(problem, noise)
             self._right[key] = crossed, clock
         return self._right[key]
@@ -154,24 +156,37 @@ def _begun(problem: HeatProblem) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class _Crossed:
-    """Two probes that, exchanged, leave noise: their names, the model fitted then, and what is left [K]."""
+    """Two probes exchanged: their names, the model fitted then, and what is left [K]."""
 
     one: str
     other: str
     fit: Fit
     left: Array
 
+    def leaves_noise(self, problem: HeatProblem, noise: Noise) -> bool:
+        """Whether noise is left, with the constants where they may be."""
+        return not is_strained(problem, self.fit) and structured(self.fit, problem, noise) <= SMALL
+
+
+def _nearer_exchanged(problem: HeatProblem, found: Finding) -> Iterator[str]:
+    """Yield the two probes that, exchanged, take most of what is missed, though something else is lacking as well."""
+    crossed, missed = _crossed(problem, found.noise, found.before.fit), _rms(found.after.fit.residual)
+    if crossed is not None and _rms(crossed.fit.residual) <= (1.0 - MOST) * missed:
+        yield (
+            f"{crossed.one} and {crossed.other} may be exchanged, or the heaters beside them: with the columns of the "
+            f"two the other way round the model misses by {_rms(crossed.left):.3g} K with nothing added, "
+            f"{_rms(problem.measured - found.after.fit.predicted):.3g} K as they are; check which is where"
+        )
+
 
 def _crossed(problem: HeatProblem, noise: Noise, start: Fit) -> _Crossed | None:
-    """Return the two probes that, exchanged, leave noise."""
+    """Return the two probes that, exchanged, leave least, and less than they do as they are."""
     best: _Crossed | None = None
     for one, other in _likeliest_pairs(problem, noise):
         data = _exchanged(problem, one, other)
         again = fit(problem, noise, {}, problem.given, data=data, iterations=_STEPS)
         if again.cost < (start if best is None else best.fit).cost:
             best = _Crossed(one.name, other.name, again, data - again.predicted)
-    if best is None or is_strained(problem, best.fit) or structured(best.fit, problem, noise) > SMALL:
-        return None
     return best
 
 

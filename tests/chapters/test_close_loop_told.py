@@ -659,9 +659,10 @@ def test_a_duty_is_a_share_of_what_the_heaters_are_rated_at(
     (tmp_path / "t.csv").write_text(f"time;a;Stellgrad\ns;°C;{unit}\n{rows}")
     job, said = Job("close-loop", [], Console(True)), layout([f"Stellgrad=power [{unit}]"], own=["a", "power"])
     assert names_of("mold", {"probe": [{"name": "a"}]}) == ["a", "power"]
-    read = read_thermocouples(job, "t.csv", ["a"], said, 800.0)
-    assert read.power is not None
-    assert read.power.tolist() == [0.0, 800.0] * 4 + [0.0]
+    read = read_thermocouples(job, "t.csv", ["a"], said, {"power": 800.0})
+    assert read.powers["power"].tolist() == [0.0, 800.0] * 4 + [0.0]
     with pytest.raises(InputError, match="is a share of what power"):
-        read_thermocouples(job, "t.csv", ["a"], said)
-    assert read_thermocouples(job, "t.csv", ["a"], PLAIN, 800.0).shares == (("Stellgrad",) if unit == "%" else ())
+        read_thermocouples(job, "t.csv", ["a"], said, {"power": None})
+    assert read_thermocouples(job, "t.csv", ["a"], PLAIN, {"power": 800.0}).shares == (
+        ("Stellgrad",) if unit == "%" else ()
+    )

@@ -72,7 +72,9 @@ def logged(change: str) -> tuple[HeatProblem, Noise]:
     terms = {"sensor-lag": ("first-order", np.array([60.0]))} if change == "lag" else {}
     rows = posed.predict(own, terms).reshape(4, -1)
     rows = rows + NOISE * rng.standard_normal(rows.shape)
-    if change == "crossed":
+    if change == "crossed, in a room that swings":
+        rows += 1.5 * np.sin(np.arange(61) / 5.0)
+    if change.startswith("crossed"):
         rows[[1, 3]] = rows[[3, 1]]
     if change in ("offset", "offset, noise told too small"):
         rows[2] -= 4.0
@@ -98,6 +100,7 @@ def told(change: str) -> list[str]:
     ("change", "words"),
     [
         ("crossed", ("T2 and T4 look exchanged",)),
+        ("crossed, in a room that swings", ("T2 and T4 may be exchanged, or the heaters beside them",)),
         ("offset", ("T3 alone is at odds", "3.", "K too little throughout")),
         ("offset, noise told too small", ("T3 alone is at odds", "K too little throughout")),
         ("early", ("T1 alone is at odds", "s early")),

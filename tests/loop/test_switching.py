@@ -9,6 +9,7 @@ import pytest
 from loop.generators import heat as truths
 
 from hyperfab.chapters.close_loop import heat
+from hyperfab.chapters.close_loop.heaters import read_powers
 from hyperfab.chapters.mold_heat.problem import MoldBuilder
 from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
@@ -43,7 +44,8 @@ def switched(monkeypatch: pytest.MonkeyPatch, effect: str = "") -> HeatProblem:
     document = parse_document(load_toml(text.encode(), "mold.toml"), "mold.toml", MoldDocument)
     builder = MoldBuilder(document, "mold.toml", Inputs())
     names = ["T1", "T2", "T3", "T4"]
-    return heat.pose(builder, heat.Thermocouples(times, read, names, power), [], 0.1)
+    drawn = read_powers(document, {"power": power})
+    return heat.pose(builder, heat.Thermocouples(times, read, names), [], 0.1, drawn)
 
 
 def test_a_right_mold_leaves_noise_whenever_its_heater_switched(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -73,7 +75,12 @@ def test_causes_in_common_are_whitened_and_owed() -> None:
     assert whitening @ covariance @ whitening.T == pytest.approx(np.eye(12), abs=1e-6)
     assert noise.about_means.coloured(whitening) == pytest.approx(np.eye(12), abs=1e-6)
     left = rng.normal(size=12)
+    left *= 0.9 / np.sqrt(np.mean((whitening @ left) ** 2))
     assert noise.owed(left) == pytest.approx(common @ common.T @ np.linalg.solve(covariance, left), rel=1e-6)
+    # Of what a wrong model leaves the misfit counts as noise of the readings.
+    off = 10.0 * left
+    louder = 81.0 * np.diag(sd**2) + common @ common.T
+    assert noise.owed(off) == pytest.approx(common @ common.T @ np.linalg.solve(louder, off), rel=1e-6)
     silent = replace(noise, sd=np.where(np.arange(12) < 4, np.inf, sd))
     kept = np.ix_(range(4, 12), range(4, 12))
     told = common @ common[4:].T @ np.linalg.solve(covariance[kept], left[4:])

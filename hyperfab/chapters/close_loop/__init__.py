@@ -50,16 +50,16 @@ def run(job: Job, case: LoopCase) -> int:
 
 def names_of(kind: str, data: Mapping[str, Any]) -> Sequence[str]:
     """Return what columns may be called beside the names of a fabric's tests: of a mold, by the ``data`` of a document
-    that is not checked yet, its probes, and the power.
+    that is not checked yet, its probes, and the power of all its heaters and of each.
 
     >>> names_of("contact", {})
     ('depth', 'force sd')
     """
     if kind != "mold":
         return _NAMES.get(kind, ())
-    found = data.get("probe")
-    tables = [one for one in found if isinstance(one, Mapping)] if isinstance(found, list) else []
-    return [*(one["name"] for one in tables if isinstance(one.get("name"), str)), "power"]
+    probes, heaters = (found if isinstance(found := data.get(key), list) else [] for key in ("probe", "heater"))
+    called = [one["name"] for one in probes if isinstance(one, Mapping) and isinstance(one.get("name"), str)]
+    return [*called, "power", *(f"heater.{k}.power" for k in range(len(heaters)))]
 
 
 def domain_of(kind: str) -> Callable[[Job, Given], int]:

@@ -185,6 +185,7 @@ class _Wider:
         reached = self.problem.given_off(*self.fitted) if riding else ()
         for index, heater in enumerate(self.document.heater):
             factor = self.own.get(f"heater.{index}.power", 1.0) * (1.0 - self.at("lost"))
+            read = heater.control is None and index in self.problem.read
             own = self.mold["heater"][index]
             if riding and heater.control is None:
                 power = reached[index]
@@ -192,9 +193,10 @@ class _Wider:
                 own.pop("flux", None)
                 times, first = np.unique([float(f"{time:.9g}") for time in power.x], return_index=True)
                 self._schedule(index, times, np.maximum(power.y[first], 0.0))
-            elif factor == 1.0:
+            elif factor == 1.0 and not read:
                 continue
-            elif heater.schedule is not None:
+            elif heater.schedule is not None or read:
+                own.pop("flux", None)
                 table: Table = self.reduced.heaters[index][1]
                 self._schedule(index, table.x, factor * table.y)
             elif heater.power is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from itertools import combinations
 from typing import TypeGuard
@@ -16,6 +15,7 @@ from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.finalise import picture, ticking, write
+from hyperfab.chapters.close_loop.heaters import Drawn, as_share, heated_by, own_power, ratings, read_powers, ruled
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
@@ -27,7 +27,6 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import ContactSection, ConvectionSection, FacesInBox, MoldDocument
 from hyperfab.errors import HyperfabError, InputError, UsageError, placed
 from hyperfab.io.csv_write import csv_bytes
-from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.output import Output
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.engine import Finding, close
@@ -38,9 +37,8 @@ from hyperfab.thermal.condition import Contact, Convection, Heater, Radiation
 from hyperfab.thermal.facet_operator import FacetOperator
 from hyperfab.thermal.geometry import Box
 from hyperfab.thermal.history import curve, curve_times
-from hyperfab.thermal.reduced import HOLDS, ReducedMold, reduce
+from hyperfab.thermal.reduced import HOLDS, reduce
 from hyperfab.thermal.sensors import as_shown
-from hyperfab.thermal.tables import Table
 
 #: Conductance that counts as a perfect joint [W/m^2/K].
 PERFECT = 1e7
@@ -68,20 +66,20 @@ def run(job: Job, given: Given) -> int:
                 remedy="measure the mold without pieces, and take the table out",
             )
     probes = [probe.name for probe in document.probe]
-    ruled = [heater.power or 0.0 for heater in document.heater if heater.control is not None]
-    rated = sum(ruled) if len(ruled) == len(document.heater) and all(ruled) else None
+    rated = ratings(document)
     read = read_thermocouples(job, given.case.readings[0], probes, given.layout, rated)
-    if _is_ruled(document) and read.power is None:
+    drawn = read_powers(document, read.powers)
+    unread = set(ruled(document)).difference(*(one.heaters for one in drawn))
+    if unread:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
             file=given.case.model,
-            key="heater.control",
+            key=f"heater.{min(unread)}.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W] (several that --columns "
-            "calls so are added up), or give it as "
-            'schedule = "power.csv" in place of control' + _as_share(read.shares, rated, given.layout),
+            f"calls so are added up) or of each as {own_power(min(unread))} [W], or give it as "
+            'schedule = "power.csv" in place of control' + as_share(read.shares, rated, given.layout),
         )
-    drawn = _seen(document, read)
-    if drawn is not None and is_coarse(drawn):
+    if any(is_coarse(one.power) for one in drawn):
         job.console.warn(
             "the heaters switch about as fast as their power was read, so that some of it was between two readings: "
             "read it several times as often"
@@ -90,9 +88,12 @@ def run(job: Job, given: Given) -> int:
     builder = MoldBuilder(document, given.case.model, job.inputs)
     out.refuse_inputs(job.inputs)
     job.console.warn(*builder.doubts)
+    put = [own_power(number) for one in drawn for number in one.heaters if document.heater[number].control is None]
+    if put:
+        job.console.note(f"{given.case.readings[0]}: tells {', '.join(sorted(put))}, in place of what the mold says")
     with job.console.progress("Closing the loop") as advance:
         advance(0.0, "meshing")
-        problem = pose(builder, read, given.case.fix, given.surely)
+        problem = pose(builder, read, given.case.fix, given.surely, drawn)
         log = Log(problem)
         found = close(problem, noise=level, tick=ticking(advance, 0.2), put_right=log.explains)
         found, odd = log.looked_through(found)
@@ -119,16 +120,10 @@ def run(job: Job, given: Given) -> int:
     return write(job, out, given, found, result)
 
 
-def _as_share(titles: Sequence[str], rated: float | None, layout: Layout) -> str:
-    """Return the option that takes the only column in per cent as a share of what the heaters are ``rated`` at [W]."""
-    if len(titles) != 1 or rated is None:
-        return ""
-    told = [one.entry for one in layout.columns]
-    return f"; if {titles[0]} is the share of {rated:g} W that was on, {filled_in([*told, (titles[0], 'power [%]')])}"
-
-
-def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: float) -> HeatProblem:
-    """Return the problem of a mold and its thermocouples."""
+def pose(
+    given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: float, drawn: Sequence[Drawn] = ()
+) -> HeatProblem:
+    """Return the problem of a mold and its thermocouples, heated by what was ``drawn`` where that was read."""
     builder = _with_held_faces(given)
     document, built = builder.document, builder.build()
     given.take_mesh(builder)
@@ -154,9 +149,8 @@ def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: flo
         _corners(built), [[part] for part in began], [c for c in model.conditions if _holds(c)],
         conducting=(1.0, bounds_of("conductivity", prior)[0]), zones=_ZONES,
     )  # fmt: skip
-    drawn, undrawn = _seen(document, read), mold
-    if drawn is not None:
-        mold = _drawn(mold, document, read.times, drawn)
+    for one in drawn:
+        mold = heated_by(mold, one, read.times, one.power)
     own = _own(document, built, [document.part[part].name for part in began])
     check_fixed(fix, [key for key, _ in own], "mold")
     problem = heat_problem(
@@ -177,39 +171,10 @@ def pose(given: MoldBuilder, read: Thermocouples, fix: Sequence[str], prior: flo
         for what in ("conductivity", "specific_heat")
     }
     problem.lag_s = np.array([built.lags[key] for key in read.names]).T
-    if drawn is not None:
-        problem.common = of_switches(problem, read.times, drawn, partial(_drawn, undrawn, document))
+    problem.read = tuple(number for one in drawn for number in one.heaters)
+    known = [of_switches(problem, read.times, one.power, partial(heated_by, mold, one)) for one in drawn]
+    problem.common = np.hstack([one for one in known if one.size] or [problem.common])
     return problem
-
-
-def _seen(document: MoldDocument, read: Thermocouples) -> Array | None:
-    """Return the power [W] that thermostats were seen to draw; None where there is none, or nobody read it."""
-    return read.power if _is_ruled(document) else None
-
-
-def _is_ruled(document: MoldDocument) -> bool:
-    """Whether any heater has a thermostat."""
-    return any(heater.control is not None for heater in document.heater)
-
-
-def _drawn(mold: ReducedMold, document: MoldDocument, times: Array, power: Array) -> ReducedMold:
-    """Return the mold with the power its thermostats were seen to draw, shared as the heaters' ratings are.
-
-    Heaters without a thermostat keep what the document says; it is taken off the power drawn.
-    """
-    ruled = [heater.control is not None for heater in document.heater]
-    rest = power - sum(
-        (table(times) for (_, table), own in zip(mold.heaters, ruled, strict=True) if not own),
-        np.zeros(len(times)),
-    )
-    rated = sum(float(np.max(table.y)) for (_, table), own in zip(mold.heaters, ruled, strict=True) if own)
-    heaters = [
-        (shape, Table(times, rest * (float(np.max(table.y)) / rated)) if own else table)
-        for (shape, table), own in zip(mold.heaters, ruled, strict=True)
-    ]
-    step = np.abs(np.diff(rest)) > 0.02 * float(np.max(np.abs(rest)))
-    turns = times[:-1][step].tolist() + times[1:][step].tolist()
-    return replace(mold, heaters=heaters, corners=tuple(sorted({*mold.corners, *turns})))
 
 
 def _with_held_faces(builder: MoldBuilder) -> MoldBuilder:
@@ -354,7 +319,7 @@ def written_otherwise(
     mold answers for to a share of that. A thermostat that was seen to switch is not followed.
     """
     changing = "property-drift" in found.after.ids or problem.runs[0].mold.changes.shape[2] > 1
-    if not found.after.ids or not changing or _is_ruled(given.document):
+    if not found.after.ids or not changing or ruled(given.document):
         return
     path = str(out.path(".model.toml"))
     times, kept = problem.runs[0].times, problem.runs[0].kept

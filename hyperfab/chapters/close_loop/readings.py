@@ -282,40 +282,43 @@ def set_apart(problem: Any, files: Sequence[File]) -> Apart:
 class Thermocouples:
     """Times (t,) [s], readings (t, p) [degC], nan where one is missing, and the probes' names, as in the file.
 
-    ``power`` (t,) [W] is what all heaters drew together, where the file says it; ``left_out`` counts readings that each
-    probe lacks, rows that are no reading, and readings that stood off their neighbours and are nan; ``shares`` are
-    titles of columns that nothing was taken from and that may tell a share of the power.
+    ``powers`` (t,) [W] are what heaters drew, where the file says it: ``power`` all together, ``heater.0.power`` the
+    first of the mold; ``left_out`` counts readings that each probe lacks, rows that are no reading, and readings that
+    stood off their neighbours and are nan; ``shares`` are titles of columns that nothing was taken from and that may
+    tell a share of the power.
     """
 
     times: Array
     readings: Array
     names: list[str]
-    power: Array | None = None
+    powers: Mapping[str, Array] = field(default_factory=dict)
     left_out: Mapping[str, int] = field(default_factory=dict)
     shares: tuple[str, ...] = ()
 
 
 def read_thermocouples(
-    job: Job, name: str, probes: Sequence[str], layout: Layout, rated: float | None = None
+    job: Job, name: str, probes: Sequence[str], layout: Layout, rated: Mapping[str, float | None] | None = None
 ) -> Thermocouples:
     """Read a thermocouple file; every column of a temperature must be a probe of the mold.
 
-    A power that is told as a share, of one or in per cent, is one of what all heaters are ``rated`` at [W].
+    A power that is told as a share, of one or in per cent, is one of what is ``rated`` [W] by its name; None where the
+    mold has no such rating.
     """
-    powers = [one for one in layout.columns if one.name == "power"]
-    share = next((one for one in powers if is_of(one.unit or "", "dimensionless")), None)
-    if share is not None and rated is None:
-        raise InputError(
-            "is a share of what power? not all heaters of the mold have a power and a thermostat",
-            file=name,
-            column=share.title,
-            remedy="write what all heaters drew together, as power [W]",
-        )
+    rated = rated or {}
+    shares = {one.name: one for one in layout.columns if one.name in rated and is_of(one.unit or "", "dimensionless")}
+    for one, share in shares.items():
+        if rated[one] is None:
+            raise InputError(
+                "is a share of what power? the mold has no rating of it",
+                file=name,
+                column=share.title,
+                remedy=f"write what was drawn, as {one} [W]",
+            )
     table = read_table(
         job.inputs.read(name),
         name,
         {"time": "time"},
-        optional={"power": "power" if share is None else "dimensionless"},
+        optional={one: "dimensionless" if one in shares else "power" for one in rated},
         increasing="time",
         rest="temperature",
         called=probes,
@@ -325,7 +328,7 @@ def read_thermocouples(
     if table.aside:
         job.console.note(f"{name}: columns not used: {', '.join(table.aside)}")
     known = {probe.casefold(): probe for probe in probes}
-    columns = [column for column in table.columns if column not in ("time", "power")]
+    columns = [column for column in table.columns if column not in ("time", *rated)]
     strange = [column for column in columns if column.casefold() not in known]
     if strange:
         told = [one.entry for one in layout.columns]
@@ -354,9 +357,7 @@ def read_thermocouples(
                 column=column,
                 remedy=f"give {FEWEST} or more, or leave the column out",
             )
-    power = table["power"] if "power" in table.columns else None
-    if power is not None and share is not None and rated is not None:
-        power = power * rated
+    powers = {one: table[one] * (rated[one] or 0.0 if one in shares else 1.0) for one in rated if one in table}
     names = [known[column.casefold()] for column in columns]
     lacking = zip(names, (~np.isfinite(readings)).sum(axis=0), strict=True)
     left_out = {f"no reading of {name}": int(count) for name, count in lacking if count} | dict(table.left_out)
@@ -378,4 +379,4 @@ def read_thermocouples(
             f"{name}: the readings begin {begun:.6g} s after the start of the run and go on for {last - begun:.6g} s; "
             "time counts from the mold's start"
         )
-    return Thermocouples(table["time"], readings, names, power, left_out, table.shares)
+    return Thermocouples(table["time"], readings, names, powers, left_out, table.shares)
