@@ -260,7 +260,7 @@ def _document(
     def figures(name: str | None, part: Identified) -> FitFigures:
         """With what does not belong, where one more specimen is to be expected, and what the choice of the law adds."""
         found = describe.fit_figures(part, reach(sets[name]))
-        found.outliers = describe.outlying(outliers(part, rows_of(part, sets, name), setting)) or None
+        found.outliers = outliers(part, rows_of(part, sets, name), setting) or None
         if found.uncertainty is not None:
             if name is not None or len(sets) == 1:
                 found.uncertainty.next_specimen = next_specimens(sets[name]) or None

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from hyperfab.chapters.fit.doubts import Outlier
 from hyperfab.chapters.fit.identify import Identified, Setting
 from hyperfab.chapters.fit.judge import Judged
 from hyperfab.chapters.fit.readings import Readings
@@ -19,7 +18,6 @@ from hyperfab.documents.material import (
     FitFigures,
     MaterialDocument,
     ModelRow,
-    OutlierReading,
     StablePlane,
     StableRange,
     Tested,
@@ -153,22 +151,6 @@ def deviations(sure: Certainty) -> dict[str, float] | None:
     """Return the standard deviations that are known, None where none is."""
     known = zip(sure.names, sure.sd, strict=True)
     return {name: float(value) for name, value in known if math.isfinite(value)} or None
-
-
-def outlying(far: Sequence[Outlier]) -> list[OutlierReading]:
-    """Return the readings that do not belong."""
-    return [
-        OutlierReading(
-            source=one.curve.source,
-            line=None if one.curve.lines is None else int(one.curve.lines[one.row]),
-            test=one.curve.mode,
-            stretch=float(one.curve.stretch[one.row]),
-            stress_MPa=float(one.curve.stress[one.row]),
-            studentised=one.studentised,
-            leverage=one.leverage,
-        )
-        for one in far
-    ]
 
 
 def direction(

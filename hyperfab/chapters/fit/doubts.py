@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.chapters.fit.identify import NOISY, Identified, Setting
 from hyperfab.chapters.fit.judge import Judged, Sets
 from hyperfab.curve import TestCurve
+from hyperfab.documents.material import OutlierReading
 from hyperfab.materials.modes import SIMPLE_SHEAR
 from hyperfab.numerics.doubt import scatter
 from hyperfab.report.bands import determined
@@ -138,17 +138,7 @@ def rows_of(part: Identified, sets: Sets, name: str | None) -> Sequence[TestCurv
     return sets[name] if part.law.isotropic else sets[None]
 
 
-@dataclass(frozen=True)
-class Outlier:
-    """A reading that does not belong to the others: its residual is this many of its own standard deviations."""
-
-    curve: TestCurve
-    row: int
-    studentised: float
-    leverage: float
-
-
-def outliers(part: Identified, curves: Sequence[TestCurve], setting: Setting) -> list[Outlier]:
+def outliers(part: Identified, curves: Sequence[TestCurve], setting: Setting) -> list[OutlierReading]:
     """Return the readings far from where all others say they should be, farthest first.
 
     A residual is judged with its reading left out: in a relative fit a reading far too low pulls the constants to
@@ -170,19 +160,27 @@ def outliers(part: Identified, curves: Sequence[TestCurve], setting: Setting) ->
         dense = setting.relative and len(curve.stress) >= DENSE and curve.mode != "biaxial-general"
         if dense and abs(residual[k] * curve.stress[place]) < FAR * scatter(curve.stress):
             continue  # near zero load the noise of the load cell is many times the reading, and no mistake
-        found.append(Outlier(curve, place, float(sure.studentised[k]), float(sure.leverage[k])))
+        found.append(
+            OutlierReading(
+                source=curve.source,
+                line=None if curve.lines is None else int(curve.lines[place]),
+                test=curve.mode,
+                stretch=float(curve.stretch[place]),
+                stress_MPa=float(curve.stress[place]),
+                studentised=float(sure.studentised[k]),
+                leverage=float(sure.leverage[k]),
+            )
+        )
     return sorted(found, key=lambda one: -abs(one.studentised))
 
 
 def _single_readings(part: Identified, curves: Sequence[TestCurve], setting: Setting) -> list[str]:
     found = []
     for one in outliers(part, curves, setting)[:SHOWN]:
-        curve = one.curve
-        line = f", line {curve.lines[one.row]}" if curve.lines is not None else ""
-        what = "shear strain" if curve.mode == SIMPLE_SHEAR else "stretch"
+        line = f", line {one.line}" if one.line is not None else ""
+        what = "shear strain" if one.test == SIMPLE_SHEAR else "stretch"
         found.append(
-            f"{curve.source}{line}: {curve.stress[one.row]:.4g} MPa at {what} {curve.stretch[one.row]:.4g} does not "
-            f"belong to the other readings ({abs(one.studentised):.0f} of its standard deviations away); check the "
-            "reading"
+            f"{one.source}{line}: {one.stress_MPa:.4g} MPa at {what} {one.stretch:.4g} does not belong to the other "
+            f"readings ({abs(one.studentised):.0f} of its standard deviations away); check the reading"
         )
     return found
