@@ -9,14 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
-from hyperfab.chapters.fit.identify import (
-    Setting,
-    kind_of,
-    reference_of,
-    specimen_of,
-    temperatures_of,
-    with_deviation,
-)
+from hyperfab.chapters.fit.identify import Setting, kind_of, reference_of, temperatures_of, with_deviation
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.siblings import curves_csv, grid_of, line
 from hyperfab.chapters.fit.whole import Answer, WholeFit
@@ -27,7 +20,7 @@ from hyperfab.io.csv_write import csv_bytes
 from hyperfab.materials.hyperfoam import Hyperfoam, Rows
 from hyperfab.materials.identification.hyperfoam import identify, optimum
 from hyperfab.materials.identification.plateau import Plateau, plateau, table_of
-from hyperfab.materials.identification.quality import Certainty, sure_of
+from hyperfab.materials.identification.quality import Certainty
 from hyperfab.materials.rest import beyond_isotropy
 from hyperfab.report.figures_fit import fit_figure
 
@@ -68,9 +61,7 @@ class FoamFit(WholeFit[Hyperfoam]):
         told = [with_deviation(curve, self.setting.noise) for curve in self.fitted_at(number)]
         tests = _tests(told, self.temperatures[number])
         names, weighed = optimum(self.laws[number], tests, kept=number != self.reference)
-        specimens = [specimen_of(one) for one in tests]
-        kinds = [kind_of(one) for one in tests]
-        return sure_of(weighed, names, np.eye(len(names)), specimens, kinds)
+        return self.sure_of(weighed, names, tests)
 
     @cached_property
     def accepted(self) -> bool:

@@ -126,7 +126,7 @@ def identify(law: Law, curves: Sequence[TestCurve], setting: Setting) -> Identif
         certainties=tuple(sure),
         every_range=ranges,
         stable=stable,
-        specimens=len({specimen_of(one) for one in used}),
+        specimens=len(set(specimens)),
     )
     found.tests.update({mode: _test(found, mode, curves, setting) for mode in _modes(curves)})
     return found

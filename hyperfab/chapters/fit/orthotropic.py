@@ -11,10 +11,8 @@ from hyperfab.arrays import Array
 from hyperfab.chapters.fit.identify import (
     Setting,
     deviation,
-    kind_of,
     near_zero,
     reference_of,
-    specimen_of,
     temperatures_of,
     tested,
     with_deviation,
@@ -32,7 +30,7 @@ from hyperfab.documents.material import (
     StableRange,
     Undetermined,
 )
-from hyperfab.materials.identification.quality import Certainty, sure_of
+from hyperfab.materials.identification.quality import Certainty
 from hyperfab.materials.orthotropic import Orthotropic
 from hyperfab.materials.orthotropic.grips import SHORT, at_readings
 from hyperfab.materials.orthotropic.identify import Found, identify
@@ -121,8 +119,17 @@ class SheetFit(WholeFit[Orthotropic]):
         return self._figures(self.curves)
 
     def certainty(self, number: int, turned: bool = False) -> Certainty:
-        """Return how sure the constants at one of the temperatures are, of the sheet ``turned`` by a quarter."""
-        return _certainty(self.optima[number], self.fitted_at(number), turned)
+        """Return how sure the constants at one of the temperatures are, of the sheet ``turned`` by a quarter.
+
+        Those the tests hold at the end of their range, as threads of no stress, are left out.
+        """
+        found = self.optima[number]
+        moving = np.flatnonzero(np.abs(found.optimum.jacobian).max(axis=0) > 0.0)
+        names = [found.sought[k] for k in moving]
+        signs = [-1.0 if turned and name == "bias_deg" else 1.0 for name in names]
+        optimum = replace(found.optimum, jacobian=found.optimum.jacobian[:, moving] * signs)
+        seen = [_TURNED.get(name, name) if turned else name for name in names]
+        return self.sure_of(optimum, seen, self.fitted_at(number))
 
     def _weighted(self, curves: Sequence[TestCurve]) -> float:
         if not self.setting.relative:
@@ -231,20 +238,6 @@ def _as_held(curves: Sequence[TestCurve]) -> list[TestCurve]:
     uniaxial = {curve.direction for curve in curves if curve.mode == "uniaxial"}
     slanted = {angle for angle in uniaxial if angle is not None and angle % 90.0}
     return list(curves) if len(slanted) == 1 else [replace(curve, aspect=None) for curve in curves]
-
-
-def _certainty(found: Found, curves: Sequence[TestCurve], turned: bool) -> Certainty:
-    """Return how sure the constants are, of the sheet ``turned`` by a quarter where wanted.
-
-    Those the tests hold at the end of their range, as threads of no stress, are left out.
-    """
-    moving = np.flatnonzero(np.abs(found.optimum.jacobian).max(axis=0) > 0.0)
-    names = [found.sought[k] for k in moving]
-    signs = [-1.0 if turned and name == "bias_deg" else 1.0 for name in names]
-    optimum = replace(found.optimum, jacobian=found.optimum.jacobian[:, moving] * signs)
-    specimens, kinds = [specimen_of(curve) for curve in curves], [kind_of(curve) for curve in curves]
-    seen = [_TURNED.get(name, name) if turned else name for name in names]
-    return sure_of(optimum, seen, np.eye(len(names)), specimens, kinds)
 
 
 def _tests(curves: Sequence[TestCurve], temperature: float | None, setting: Setting) -> list[TestCurve]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.chapters.fit.describe import document_of, with_certainty
-from hyperfab.chapters.fit.identify import Setting, compared, nearest, specimen_of, tested
+from hyperfab.chapters.fit.identify import Setting, compared, kind_of, nearest, specimen_of, tested
 from hyperfab.chapters.fit.readings import Readings
 from hyperfab.chapters.fit.replicates import next_specimens, replicates
 from hyperfab.curve import TestCurve
@@ -27,7 +27,8 @@ from hyperfab.documents.material import (
     Unpredicted,
 )
 from hyperfab.errors import InputError
-from hyperfab.materials.identification.quality import Certainty, Figures, figures
+from hyperfab.materials.identification.quality import Certainty, Figures, figures, sure_of
+from hyperfab.materials.identification.scatter import Weighed
 
 if TYPE_CHECKING:  # to load them takes as long as a fit
     from hyperfab.materials.hyperfoam import Hyperfoam
@@ -176,6 +177,11 @@ class WholeFit(ABC, Generic[EnergyT]):
         if total is None:
             raise InputError("the law has no finite stress on these rows", file=curves[0].source)
         return self._told(FitFigures(**vars(total), tests=tests), sure, self.reference, replicated)
+
+    def sure_of(self, optimum: Weighed, names: Sequence[str], tests: Sequence[TestCurve]) -> Certainty:
+        """Return how sure the constants ``names`` of an ``optimum`` are, by how specimens of the ``tests`` scatter."""
+        specimens, kinds = [specimen_of(one) for one in tests], [kind_of(one) for one in tests]
+        return sure_of(optimum, names, np.eye(len(names)), specimens, kinds)
 
     def fitted_at(self, number: int) -> list[TestCurve]:
         """Return the curves that were fitted at one of the temperatures."""
