@@ -28,7 +28,8 @@ _VERDICTS = {
     "unexplained": (False, "Something lacks, and no entry of the catalogue explains it."),
 }
 
-
+#: What is drawn of a quantity, and how it is coloured.
+_KINDS = {"measured": DATA, "before": BEFORE, "after": AFTER}
 _MOMENTS = {
     "delivered": "the model as given",
     "before": "its constants refitted",
@@ -105,17 +106,11 @@ def _against_measurement(source: Source, data: Any) -> list[Part]:
     maps = _maps(table, data)
     if maps:
         return maps
-    traces, rests = [], []
-    for kind, colour in (("measured", DATA), ("before", BEFORE), ("after", AFTER)):
-        x, y = _joined(series, kind)
-        words = kind if kind == "measured" else f"model {kind}"
-        traces.append(line(words, x, y, colour, points=kind == "measured"))
-        if kind != "measured":
-            model = [value for one in series for value in one[kind]]
-            read = [value for one in series for value in one["measured"]]
-            rest = [None if a is None or b is None else a - b for a, b in zip(read, model, strict=True)]
-            places = [value for one in series for value in one["x"]]
-            rests.append(line(kind, places, rest, colour, points=True))
+    places, read, before, after = ([value for one in series for value in one[kind]] for kind in ("x", *_KINDS))
+    rests = []
+    for kind, model in (("before", before), ("after", after)):
+        rest = [None if a is None or b is None else a - b for a, b in zip(read, model, strict=True)]
+        rests.append(line(kind, places, rest, _KINDS[kind], points=True))
     falls = _falls(data, data["error"].get("unit", ""))
     unit = quantity.rpartition(", ")[2] if ", " in quantity else ""
     return [
@@ -124,7 +119,7 @@ def _against_measurement(source: Source, data: Any) -> list[Part]:
             falls,
             across,
             quantity,
-            traces,
+            _traces(series),
         ),
         chart(
             "What is left: measured less model, before and after.",
@@ -151,7 +146,7 @@ def _of_probes(table: dict[str, list[str]]) -> list[Series]:
     for name in table:
         if name.endswith("_measured_degC"):
             probe = name.removesuffix("_measured_degC")
-            kinds = {kind: floats(table[f"{probe}_{kind}_degC"]) for kind in ("measured", "before", "after")}
+            kinds = {kind: floats(table[f"{probe}_{kind}_degC"]) for kind in _KINDS}
             found.append({"x": time, **kinds})
     return found
 
@@ -196,23 +191,18 @@ def _widths(table: dict[str, list[str]], data: Any) -> list[Part]:
     falls = f"How much narrower specimens become is missed by {before} before, {after} after."
     kinds = {"measured": "transverse_stretch", "before": "transverse_before", "after": "transverse_after"}
     series, across = _series(table, kinds)
-    traces = [
-        line(kind if kind == "measured" else f"model {kind}", *_joined(series, kind), colour, points=kind == "measured")
-        for kind, colour in (("measured", DATA), ("before", BEFORE), ("after", AFTER))
-    ]
-    return [
-        chart("Transverse stretch, measured and by both models.", falls, title(across), "transverse stretch", traces)
-    ]
+    caption = "Transverse stretch, measured and by both models."
+    return [chart(caption, falls, title(across), "transverse stretch", _traces(series))]
 
 
-def _joined(series: list[Series], kind: str) -> tuple[list[float | None], list[float | None]]:
-    """Return all curves as one, with a gap after each."""
-    x: list[float | None] = []
-    y: list[float | None] = []
-    for one in series:
-        x += [*one["x"], None]
-        y += [*one[kind], None]
-    return x, y
+def _traces(series: list[Series]) -> list[dict[str, Any]]:
+    """Return what was measured and both models, of each all curves as one with a gap after each."""
+    found = []
+    for kind, colour in _KINDS.items():
+        x, y = ([value for one in series for value in (*one[what], None)] for what in ("x", kind))
+        measured = kind == "measured"
+        found.append(line(kind if measured else f"model {kind}", x, y, colour, points=measured))
+    return found
 
 
 def _maps(table: dict[str, list[str]], data: Any) -> list[Part]:
