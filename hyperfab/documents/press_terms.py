@@ -66,32 +66,14 @@ def _list(value: object) -> object:
     return value if isinstance(value, list) else [value]
 
 
-Shares = Annotated[
-    list[Annotated[float, Field(ge=0.0, le=1.0)]],
-    BeforeValidator(_list),
-    Field(min_length=1, max_length=9),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "number", "minimum": 0, "maximum": 1},
-                {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}},
-            ]
-        }
-    ),
-]
-Times = Annotated[
-    list[Time],
-    BeforeValidator(_list),
-    Field(min_length=1, max_length=9),
-    WithJsonSchema(
-        {
-            "anyOf": [
-                {"type": "string", "examples": ["15 s"]},
-                {"type": "array", "items": {"type": "string", "examples": ["15 s"]}},
-            ]
-        }
-    ),
-]
+def _one_or_several(item: Any, shown: dict[str, Any]) -> Any:
+    """Return a list of up to nine, of which one may stand without brackets; ``shown`` is what the schema says of it."""
+    schema = {"anyOf": [shown, {"type": "array", "items": shown}]}
+    return Annotated[list[item], BeforeValidator(_list), Field(min_length=1, max_length=9), WithJsonSchema(schema)]
+
+
+Shares: Any = _one_or_several(Annotated[float, Field(ge=0.0, le=1.0)], {"type": "number", "minimum": 0, "maximum": 1})
+Times: Any = _one_or_several(Time, {"type": "string", "examples": ["15 s"]})
 
 
 class Relaxation(Section):
