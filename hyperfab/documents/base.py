@@ -233,7 +233,7 @@ def first_error(error: ValidationError, name: str, cls: type[BaseModel], loaded:
     if kind == "missing":
         return InputError(f"is missing{more}", file=name, key=key, remedy="add the key")
     if kind == "extra_forbidden":
-        known = list(_keys(cls.model_json_schema())) if cls is not None else []
+        known = list(_keys(cls.model_json_schema()))
         word, beside = str(first["loc"][-1]), first["loc"][:-1]
         needed = [str(one["loc"][-1]) for one in found if one["type"] == "missing" and one["loc"][:-1] == beside]
         if word in known and beside:

@@ -99,7 +99,7 @@ def _step(
     document = store.document(step)
     if document is None:
         return outcome, {}
-    if isinstance(document, Mapping) and document.get("validity"):
+    if document.get("validity"):
         validity.append((step.name, document["validity"]))
     place = store.place(step.key).relative_to(store.folder) / f"{step.name}.json"
     found: dict[str, Cell] = {f"{step.name}_document": str(place)}

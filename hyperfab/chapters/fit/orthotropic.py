@@ -87,7 +87,7 @@ class SheetFit(WholeFit[Orthotropic]):
             f"strips at {angle:g} deg, {aspect:.2g} times as long as wide, are held in their grips, which stiffens "
             "them: that is found by the law, and no shear of the sheet"
             for angle, aspect in sorted(kinds, key=str)
-            if aspect is not None and angle is not None and angle % 90.0
+            if angle is not None and angle % 90.0
         ]
 
     def direction(self, name: str) -> Direction:
