@@ -41,9 +41,9 @@ class Job:
     strict: bool = False
     sums_up: bool = False
 
-    def opened(self, target: str, suffixes: Sequence[str]) -> Output:
-        """Return where the command writes: ``target`` and its siblings; a run inside another command keeps them."""
-        return Output(target, suffixes)
+    def opened(self, *suffixes: str) -> Output:
+        """Return where the command writes: its target and siblings; a run inside another command keeps them."""
+        return Output(self.target, suffixes)
 
     def write(self, output: Output, document: Document, case: Case | None = None, **known: Any) -> None:
         """Write the document with its set-up and provenance, and the siblings queued in ``output``.

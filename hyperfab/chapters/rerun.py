@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -75,8 +75,8 @@ class Rerun(Job):
 
     outputs: list[Kept] = field(default_factory=list)
 
-    def opened(self, target: str, suffixes: Sequence[str]) -> Output:
-        self.outputs.append(Kept(target, suffixes))
+    def opened(self, *suffixes: str) -> Output:
+        self.outputs.append(Kept(self.target, suffixes))
         return self.outputs[-1]
 
 

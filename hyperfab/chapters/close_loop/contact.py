@@ -54,7 +54,7 @@ _ROOM_TEMPERATURE = 23.0
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
-    out = job.opened(job.target, (*MODEL_SUFFIXES, FABRIC, ".png", ".csv"))
+    out = job.opened(*MODEL_SUFFIXES, FABRIC, ".png", ".csv")
     made = unchanged(earlier(ContactCase, given.data, given.case.model))
     files = read_files(job, given, read_force_depth, ("force",))
     out.refuse_inputs(job.inputs)

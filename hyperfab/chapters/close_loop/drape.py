@@ -70,21 +70,8 @@ _SAG, _MASSES = 0.025, (200.0, 5000.0)
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
-    out = job.opened(
-        job.target,
-        (
-            *MODEL_SUFFIXES,
-            *WRITTEN,
-            ".model.[0-9]*.vtu",
-            ".model.pvd",
-            ".model.mold.stl",
-            FABRIC,
-            SIZED,
-            *THREADS,
-            ".png",
-            ".csv",
-        ),
-    )
+    series = (".model.[0-9]*.vtu", ".model.pvd", ".model.mold.stl")
+    out = job.opened(*MODEL_SUFFIXES, *WRITTEN, *series, FABRIC, SIZED, *THREADS, ".png", ".csv")
     made = unchanged(earlier(DrapeCase, given.data, given.case.model))
     files = read_measured(job, given, read_markers, ("length",))
     out.refuse_inputs(job.inputs)

@@ -45,7 +45,7 @@ _SPARE = 9
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a material document."""
-    out = job.opened(job.target, (".model.json", ".png", ".csv"))
+    out = job.opened(".model.json", ".png", ".csv")
     document = parse_document(given.data, given.case.model, MaterialDocument)
     before = given_as(given.data, given.case.model, document.provenance)
     # A thickness that was only taken for the sake of a number makes no stress of a force per width.

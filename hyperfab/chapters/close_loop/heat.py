@@ -50,7 +50,7 @@ _BESIDE = 0.1
 
 def run(job: Job, given: Given) -> int:
     """Close the loop on a mold document."""
-    out = job.opened(job.target, (".model.toml", *TABLES, ".png", ".csv"))
+    out = job.opened(".model.toml", *TABLES, ".png", ".csv")
     document = parse_document(given.data, given.case.model, MoldDocument)
     if given.case.held:
         raise UsageError("--hold-out takes only auto for a mold: each probe is predicted from the others")

@@ -53,7 +53,7 @@ _OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
 def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     beside = [f".model{suffix}" for suffix in SIBLINGS]
-    out = job.opened(job.target, (*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv"))
+    out = job.opened(*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv")
     made = unchanged(earlier(PressCase, given.data, given.case.model))
     files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
     kind = files.measured[0].kind

@@ -27,7 +27,7 @@ def run(job: Job, case: DrapeCase) -> int:
 
     1 where the fabric would tear, 4 where no equilibrium was found or the constants are unstable.
     """
-    out = job.opened(job.target, (".vtu", ".[0-9]*.vtu", ".csv", ".png", ".pvd", ".mold.stl"))
+    out = job.opened(".vtu", ".[0-9]*.vtu", ".csv", ".png", ".pvd", ".mold.stl")
     model = model_of(case, read_files(job, case))
     out.refuse_inputs(job.inputs)
     found = _drape(job, model)

@@ -31,7 +31,7 @@ from hyperfab.numerics.threads import side_by_side
 
 def run(job: Job, case: ContactCase) -> int:
     """Press the sphere into the sheet; return 0, or 4 where the depth was not reached or the constants are unstable."""
-    out = job.opened(job.target, (".vtu", ".csv", ".png"))
+    out = job.opened(".vtu", ".csv", ".png")
     fabrics = _read_fabrics(job, case)
     geometry = read_geometry(job, case)
     setup = setup_of(case, geometry, fabrics[0])

@@ -36,7 +36,7 @@ from hyperfab.materials.registry import carried_by
 
 def run(job: Job, case: FitCase) -> int:
     """Identify constants and write the material document; 1 where no law is accepted."""
-    out = job.opened(job.target, (".csv", ".png", *((_TABLE,) if case.model in ORDERS else ())))
+    out = job.opened(".csv", ".png", *((_TABLE,) if case.model in ORDERS else ()))
     model, relative = case.model, case.objective == "relative"
     # What was typed wrong is told before what the files are wrong in.
     if model not in ("all", "orthotropic", *ORDERS):

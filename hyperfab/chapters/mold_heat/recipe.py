@@ -46,10 +46,7 @@ _STILL = 1e-6
 def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     """Heat the mold of the case, whose ``document`` was read; 0, or 4 where the account of heat does not close."""
     mold = case.mold
-    out = job.opened(
-        job.target,
-        (".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".pieces.csv", ".png", ".pvd"),
-    )
+    out = job.opened(".vtu", ".[0-9]*.vtu", ".csv", ".history.csv", ".variations.csv", ".pieces.csv", ".png", ".pvd")
     with placed(mold):
         check(case, document)
     asked = None if case.variations is None else read_variations(job.inputs, case.variations, document, mold)

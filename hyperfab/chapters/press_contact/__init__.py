@@ -44,7 +44,7 @@ SIBLINGS = (".vtu", ".csv", ".png", ".formed.png", ".design.stl", ".compensated.
 
 def run(job: Job, case: PressCase) -> int:
     """Read, place, heat, close, judge, write. Returns 1 where the molds collide or too little is spotted."""
-    out = job.opened(job.target, SIBLINGS)
+    out = job.opened(*SIBLINGS)
     for option, asked in (("--design-gap", case.design_gap is not None), ("--compensate", case.compensate)):
         if asked and not out.wants_files:
             raise UsageError(f"{option} writes an STL beside the document: name it with -o press.json")
