@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from hyperfab.cases.case import Case
 from hyperfab.cases.kinds import File
-from hyperfab.cases.like import Earlier
+from hyperfab.cases.like import Earlier, earlier
 from hyperfab.cases.options import words
 from hyperfab.chapters.commands import run
 from hyperfab.chapters.job import Job
@@ -109,10 +109,11 @@ def command_line(case: Case, target: str, given: Container[str], *more: str) -> 
     return shlex.join(["hf", case.COMMAND, *map(seen, words(case)), *more])
 
 
-def unchanged(made: Earlier[CaseT]) -> Earlier[CaseT]:
-    """Return how a model was made; InputError where an input of it has changed since."""
-    for name in made.changed:
-        raise _changed(name, made)
+def unchanged(cls: type[CaseT], data: Mapping[str, Any], name: str) -> Earlier[CaseT]:
+    """Return how the document ``name`` was made; InputError where an input of it has changed since."""
+    made = earlier(cls, data, name)
+    for file in made.changed:
+        raise _changed(file, made)
     return made
 
 

@@ -11,7 +11,6 @@ from scipy.interpolate import CubicSpline
 
 from hyperfab.arrays import Array
 from hyperfab.cases.contact import ContactCase
-from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
@@ -55,7 +54,7 @@ _ROOM_TEMPERATURE = 23.0
 def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(*MODEL_SUFFIXES, FABRIC, ".png", ".csv")
-    made = unchanged(earlier(ContactCase, given.data, given.case.model))
+    made = unchanged(ContactCase, given.data, given.case.model)
     files = read_files(job, given, read_force_depth, ("force",))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.case.model, ContactDocument)

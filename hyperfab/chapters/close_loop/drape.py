@@ -10,7 +10,6 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
-from hyperfab.cases.like import earlier
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, SIZED, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Traces, finish
@@ -72,7 +71,7 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a drape document."""
     series = (".model.[0-9]*.vtu", ".model.pvd", ".model.mold.stl")
     out = job.opened(*MODEL_SUFFIXES, *WRITTEN, *series, FABRIC, SIZED, *THREADS, ".png", ".csv")
-    made = unchanged(earlier(DrapeCase, given.data, given.case.model))
+    made = unchanged(DrapeCase, given.data, given.case.model)
     files = read_measured(job, given, read_markers, ("length",))
     out.refuse_inputs(job.inputs)
     material = None if made.case.material is None else read_document(job.inputs, made.case.material, MaterialDocument)

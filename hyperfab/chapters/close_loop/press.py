@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from hyperfab.arrays import Array
-from hyperfab.cases.like import earlier
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
@@ -54,7 +53,7 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a press document."""
     beside = [f".model{suffix}" for suffix in SIBLINGS]
     out = job.opened(*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv")
-    made = unchanged(earlier(PressCase, given.data, given.case.model))
+    made = unchanged(PressCase, given.data, given.case.model)
     files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
     kind = files.measured[0].kind
     if any(one.kind != kind for one in files.apart):

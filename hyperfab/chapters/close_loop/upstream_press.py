@@ -14,7 +14,6 @@ from scipy.linalg import block_diag
 from hyperfab.arrays import Array
 from hyperfab.cases.case import Case, tolerances
 from hyperfab.cases.drape import DrapeCase
-from hyperfab.cases.like import earlier
 from hyperfab.cases.mold import MoldCase
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
@@ -130,7 +129,7 @@ class PressChain:
         return found
 
     def _made(self, cls: Any, name: str) -> Any:
-        return unchanged(earlier(cls, self.job.inputs.plain(name), name)).case
+        return unchanged(cls, self.job.inputs.plain(name), name).case
 
     def _unsure(self, one: _Behind) -> dict[str, bytes]:
         """Return a document made anew from a source that states how unsure it is, and its field: files by name."""
