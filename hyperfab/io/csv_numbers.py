@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
@@ -155,10 +156,8 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
         joined = joined.replace("\n", f"e{shift}\n") + f"e{shift}"
     values = None
     if not _NOT_PLAIN.search(joined):
-        try:
+        with contextlib.suppress(ValueError):
             values = np.array(list(map(float, joined.split("\n"))))
-        except ValueError:
-            values = None
     if values is None:
         values = np.array(
             [
