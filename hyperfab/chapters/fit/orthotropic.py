@@ -108,7 +108,11 @@ class SheetFit(WholeFit[Orthotropic]):
 
     def predict(self, curve: TestCurve) -> tuple[Array, Array | None, Array | None]:
         """Return nominal stresses [MPa] along and across, and the lateral stretch of a uniaxial test."""
-        return _predict(self.law_at(curve.temperature), curve)
+        law, angle = self.law_at(curve.temperature), curve.direction
+        along, across, width = stress(law, curve.mode, angle or 0.0, curve.stretch, curve.stretch2)
+        if curve.mode == "uniaxial":
+            along = along * at_readings(law, angle, curve.aspect, curve.stretch)
+        return along, across, width
 
     def _figures(self, curves: Sequence[TestCurve], turned: bool = False) -> FitFigures:
         groups = {mode: [c for c in curves if c.mode == mode] for mode in dict.fromkeys(c.mode for c in curves)}
@@ -184,9 +188,10 @@ class SheetFit(WholeFit[Orthotropic]):
                     if not curves:
                         continue
                     grid = grid_of(curves, 101, 1.0)
-                    model = replace(curves[0], stretch=grid, stress=grid, stretch2=None, stress2=None)
-                    stress_there = _predict(self.law_at(temperature), model)[0]
-                    lines.append(line(curves, temperature, (grid, stress_there), self.setting.fit_on))
+                    there = replace(
+                        curves[0], temperature=temperature, stretch=grid, stress=grid, stretch2=None, stress2=None
+                    )
+                    lines.append(line(curves, temperature, (grid, self.predict(there)[0]), self.setting.fit_on))
             panels.append((f"{Orthotropic.name}{', ' + name if name else ''}", lines))
         return fit_figure(panels)
 
@@ -267,10 +272,3 @@ def _weight(curve: TestCurve, stress: Array, setting: Setting, alike: Sequence[T
         return np.full(len(stress), 1.0 / peak) if sd is None else np.ones_like(stress) / sd
     floor = np.maximum(_FLOOR * peak, near_zero(curve, setting.noise))
     return np.asarray(1.0 / np.maximum(np.abs(stress), floor))
-
-
-def _predict(law: Orthotropic, curve: TestCurve) -> tuple[Array, Array | None, Array | None]:
-    along, across, width = stress(law, curve.mode, curve.direction or 0.0, curve.stretch, curve.stretch2)
-    if curve.mode == "uniaxial":
-        along = along * at_readings(law, curve.direction, curve.aspect, curve.stretch)
-    return along, across, width
