@@ -91,8 +91,6 @@ def _read(data: bytes) -> Any:
             line=line,
             remedy="a truncated or hand-edited file? make the document again",
         ) from None
-    except RecursionError:
-        raise InputError("is nested too deep", remedy="check the file") from None
     return value
 
 
