@@ -71,7 +71,7 @@ class Console:
         """Say what the user should know before trusting the result."""
         self.warned += len(texts)
         for text in texts:
-            self._line(f"hf: warning: {text}")
+            _say(f"hf: warning: {text}")
 
     def count(self) -> None:
         """Say at the end how many warnings there were: the first may have scrolled away."""
@@ -81,7 +81,7 @@ class Console:
     def note(self, *texts: str) -> None:
         """Say what a person at the terminal may like to know."""
         for text in () if self.quiet else texts:
-            self._line(text)
+            _say(text)
 
     def passing(self, text: str) -> None:
         """Say what is of use only while the work goes on, to who sits before it: as progress, on a terminal alone."""
@@ -106,7 +106,7 @@ class Console:
         shown = io.StringIO()
         width = None if terminal else 200
         RichConsole(file=shown, force_terminal=terminal, color_system=_colours(), width=width).print(table)
-        self._line(shown.getvalue().removesuffix("\n"))
+        _say(shown.getvalue().removesuffix("\n"))
 
     @contextlib.contextmanager
     def progress(self, description: str, size: str = "", *, paced: bool = True) -> Iterator[Advance]:
@@ -122,7 +122,7 @@ class Console:
             yield lambda fraction, text="": None
             return
         if os.environ.get("TERM") == "dumb":
-            forecast = self._forecast(description, size, self._line) if paced else None
+            forecast = self._forecast(description, size, _say) if paced else None
             yield self._now_and_then(description, forecast)
             return
         from rich.console import Console as RichConsole
@@ -198,21 +198,16 @@ class Console:
                 said = now
                 done = "" if forecast is None else f"{100 * fraction:.0f} % "
                 words = f"{description}: {done}after {(now - start) / 60:.0f} min"
-                self._line(f"{words}, {text}" if text else words)
+                _say(f"{words}, {text}" if text else words)
 
         return advance
 
-    @staticmethod
-    def _line(text: str) -> None:
-        with _quiet_pipe():
-            print(text, file=sys.stderr, flush=True)
 
-
-@contextlib.contextmanager
-def _quiet_pipe() -> Iterator[None]:
-    """Nobody reads our messages any more, or a full disk takes none: that is no reason to lose the result."""
+def _say(text: str) -> None:
+    """Say it on standard error. That nobody reads it any more, or a full disk takes it not, is no reason to lose the
+    result."""
     try:
-        yield
+        print(text, file=sys.stderr, flush=True)
     except OSError:
         # What waits to be written would fail once more at the end, and so would the next message.
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -320,7 +315,3 @@ def _in_conversion(frame: FrameType | None) -> bool:
 
 def _kind(error: HyperfabError) -> str:
     return {2: "usage", 3: "input", 4: "not converged", 5: "output"}.get(error.exit_status, "error")
-
-
-def _say(text: str) -> None:
-    Console._line(text)
