@@ -18,10 +18,11 @@ SPELLED = re.compile(
     r"(?:(?P<h>\d{1,4})\s?h\s?)?(?P<m>\d{1,4})\s?m(?:in)?\s?(?P<s>\d{1,2})(?P<part>[.,]\d+)?\s?s(?:ec)?"
 )
 _PLAIN = re.compile(r"[-+]?\d*[.,]?\d+(?:[eE][-+]?\d+)?")
-#: What spreadsheets and machines write where there is no reading.
+#: What spreadsheets and machines write where there is no reading, or one beyond the range of the instrument.
 NO_READING = re.compile(
     r"#?(?:n/?a|nv|div/0!?|¡?div/0!|value!?|valor!|wert!|valeur!|valore!|ref!|num!|zahl!|null!|name\?|n\.a\.|n\.d\.|nd|k\.a\.)"
-    r"|-+|\*+|#+|[–—]|ovl|ol|(?:over|under)(?:load|flow| ?range)?|open|burn[ -]?out|err(?:or)?|nan|none|null|inf",
+    r"|-+|\*+|#+|[–—]|ovl|ol|(?:over|under)(?:load|flow| ?range)?|open|burn[ -]?out|err(?:or)?|nan|none|null|inf"
+    r"|> ?\d[\d.,]*",
     re.IGNORECASE,
 )
 

@@ -320,7 +320,7 @@ def _plain(body: list[tuple[int, str]], separator: str, layout: Layout, sought: 
 
     window = body[:_WINDOW]
     options = [(mark, _rows(window, mark)) for mark in SEPARATORS]
-    for _, rows in options if "x [mm]" in sought else ():
+    for _, rows in options if sought else ():
         refuse_grid(rows, sought)
     chosen = best((mark, find(rows, wide, layout)) for mark, rows in options)
     if chosen is not None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import wraps
+from functools import partial, wraps
 from typing import ParamSpec
 
 import numpy as np
@@ -14,12 +15,15 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
 from hyperfab.io import headings
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.csv_dialect import open_sheet
-from hyperfab.io.csv_numbers import beside_clock, quantities, seconds, settle_decimal
+from hyperfab.io.csv_dialect import open_sheet, open_sheets
+from hyperfab.io.csv_numbers import beside_clock, other_unit, quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import BRACKETS, Meaning, fold, plain, reading
+from hyperfab.io.dictionary import fold, plain, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
-from hyperfab.io.layout import PLAIN, Layout
+from hyperfab.io.layout import PLAIN, Layout, filled_in
+from hyperfab.io.long_log import a_column_each, called_by, moments
+from hyperfab.io.side_by_side import specimens
+from hyperfab.io.tables import Fits
 from hyperfab.io.units import KINDS
 
 #: What is done to the file where no option of the command says how it is to be read.
@@ -29,13 +33,6 @@ _IN_THE_FILE = {
     "decimal": "write one number with four decimals, as 1.2500",
 }
 _P = ParamSpec("_P")
-#: How a logger makes one value of those it read since the last.
-_ONE_VALUE = re.compile(r"[ _.](?:ave|avg|average|mean|last|mittel|mittelwert)\.?$", re.IGNORECASE)
-#: What reads a probe, with its number, before the name: 101 cup, PT100_cup, TC3 cup; and what names one in brackets.
-_READ_BY = re.compile(
-    r"^(?:(?:ch|tc|pt|ai|t|temp|rtd|thermocouple|sensor|probe|channel|kanal)\.?[ _]?)?\d{0,4}[ _:.-]+", re.I
-)
-_NAMED = re.compile(r"(?:^|, *)(?:lbl|label|name|tag) *[:=] *([^,]+)", re.IGNORECASE)
 #: Beyond so many seconds (three years) a time counts from an epoch, as Unix's: from its first row then, as a clock.
 _MOMENT = 1e8
 _OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
@@ -45,8 +42,8 @@ _OPTION = re.compile(rf"--({'|'.join(_IN_THE_FILE)})\b")
 class Table:
     """Columns in the unit of their kind, the source line of each row, and the metadata of the file ``name``.
 
-    ``aside`` are the titles of the columns with cells that nothing was taken from, and nobody set aside; ``shares``
-    those of them in per cent.
+    ``aside`` are the columns with cells that nothing was taken from, and nobody set aside; ``cells`` is what they hold.
+    ``option`` shows the option that says what columns are, beside those already given.
     """
 
     name: str
@@ -54,14 +51,26 @@ class Table:
     lines: Ints
     metadata: dict[str, str]
     left_out: Mapping[str, int] = field(default_factory=dict)
-    aside: tuple[str, ...] = ()
-    shares: tuple[str, ...] = ()
+    aside: tuple[Heading, ...] = ()
+    cells: tuple[Sequence[str], ...] = ()
+    option: Callable[[Sequence[tuple[str, str]]], str] = filled_in
 
     def __getitem__(self, name: str) -> Array:
         return self.columns[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns
+
+    def rows(self, kept: Ints) -> Table:
+        """Return the table of some rows alone, in their order."""
+        columns = {name: values[kept] for name, values in self.columns.items()}
+        cells = tuple([column[row] for row in kept] for column in self.cells)
+        return replace(self, columns=columns, lines=self.lines[kept], cells=cells)
+
+    def without(self, gone: Flags, reason: str) -> Table:
+        """Return the table less the rows (n,) that are ``gone``, counted under ``reason``."""
+        counts = Counter(self.left_out) + Counter({reason: int(np.count_nonzero(gone))})
+        return replace(self.rows(np.flatnonzero(~gone)), left_out=dict(counts)) if np.any(gone) else self
 
     def refuse(self, wrong: Flags, why: str, *, column: str, remedy: str) -> None:
         """Raise InputError at the first row that is ``wrong`` (n,), if any is; ``{:g}`` in ``why`` is its value."""
@@ -93,25 +102,28 @@ def _in_the_file(read: Callable[_P, Table]) -> Callable[_P, Table]:
 
 @_in_the_file
 def read_table(
-    data: bytes,
+    data: bytes | CsvSheet,
     name: str,
     columns: Mapping[str, str],
     *,
+    instead: Sequence[Mapping[str, str]] = (),
     optional: Mapping[str, str] | None = None,
     increasing: str | None = None,
     rest: str | None = None,
     called: Sequence[str] = (),
     gaps: bool = False,
+    whole: bool = False,
     layout: Layout | None = None,
 ) -> Table:
     """Read the named ``columns`` of a CSV table: name to kind of quantity or unit (see ``hyperfab.io.units.KINDS``).
 
-    A ``time`` that no column is called is the first that tells a time of day in every row, with a date or without.
-    ``optional`` columns are read where present. ``increasing`` names a column whose values must rise from row to
-    row, as the argument of a curve does. ``rest`` is the kind of all other columns that carry a unit of that kind
-    (thermocouples: one temperature column a probe); they are found under their labels, of which some are expected
-    (``called``), and with ``gaps`` a cell of theirs may be empty: nan. Names are compared without case. What ``layout``
-    calls minus a quantity is turned round.
+    Where one of them lacks, those of the first of ``instead`` that are all there are read in their place. A ``time``
+    that no column is called is the first that tells a time of day in every row, with a date or without. ``optional``
+    columns are read where present. ``increasing`` names a column whose values must rise from row to row, as those of
+    a curve's argument do. ``rest`` is the kind of all other columns that carry a unit of that kind (thermocouples: one
+    temperature column a probe); they are found under their labels, of which some are expected (``called``), and with
+    ``gaps`` a cell of theirs may be empty: nan. Names are compared without case. What ``layout`` calls minus a quantity
+    is turned round. With ``whole`` rows that lack a reading are left out and counted.
 
     Raises InputError with file, line and column.
 
@@ -122,29 +134,23 @@ def read_table(
     >>> table["stress"]
     array([0.    , 0.0125])
     """
-
-    def fits(heads: Sequence[Heading]) -> bool:
-        names = {one.name for one in heads} | {suffixed(one).name for one in heads}
-        names |= {m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names}
-        names |= {told for one in heads if (told := reading(suffixed(one).label)) is not None}
-        names |= {"time" for one in heads if plain(one.label) in ("date time", "datetime")}
-        # Where none is due, a line of words above the table has none of them.
-        return set(columns) <= names and (bool(columns) or len(names & {*(optional or {})}) > 1)
-
-    offered = layout is not None
-    layout = layout or PLAIN
-    sought = [_titled(column, kind) for column, kind in (columns or dict([*(optional or {}).items()][:4])).items()]
-    sheet = open_sheet(data, name, layout, fits, [*sought, *(_titled(one, rest) for one in called if rest)])
-    sheet = _a_column_each(sheet, called, rest) if rest is not None and gaps else sheet
+    offered, named, layout = layout is not None, {**columns, **(optional or {})}, layout or PLAIN
+    if isinstance(data, CsvSheet):
+        sheet = data
+    else:
+        sheet = open_sheet(data, name, layout, *_expected([columns, *instead], optional or {}, rest, called))
+    sheet = a_column_each(sheet, called, rest) if rest is not None and gaps else sheet
+    if not all(map(sheet.find, columns)):
+        columns = next((one for one in instead if all(map(sheet.find, one))), columns)
+        named = {**columns, **(optional or {})}
     wanted: dict[str, tuple[Heading, str]] = {}
     added: dict[str, list[Heading]] = {}  # what several heaters draw adds up
-    for column, asked in {**columns, **(optional or {})}.items():
-        kind = _kind(asked)
+    for column, kind in ((column, _kind(one)) for column, one in named.items()):
         drawn = [one for one in sheet.headings if one.name == column and layout.choice(one, sheet.headings)]
         if kind == "power" and len(drawn) > 1:
             wanted[column], added[column] = (drawn[0], kind), drawn[1:]
             continue
-        heading = sheet.find(column) or (_moments(sheet) if kind == "time" and column in columns else None)
+        heading = sheet.find(column) or (moments(sheet) if kind == "time" and column in columns else None)
         if heading is None and column in columns:
             raise _missing(sheet, column, columns, offered)
         if heading is not None and (column in columns or _is_meant(heading, column, kind)):
@@ -154,25 +160,25 @@ def read_table(
         for heading in _others(sheet, taken, rest):
             # Of what the command line says to be of that kind the title still tells whose it is.
             told = headings.heading(heading.title, heading.index) if heading.name == rest else heading
-            label = _called_by(told, called)
+            label = called_by(told, called)
             if label.casefold() in map(str.casefold, wanted):
                 raise sheet.wrong(
                     f"is {label}, as another column is",
                     heading,
-                    remedy="name one for another, or leave one out with =aside",
+                    remedy="say which probe each is, or leave one out: "
+                    + sheet.option([(f"#{heading.index + 1}", "aside")]),
                 )
             wanted[label] = (heading, rest)
         probes = {fold(one) for one in called}
         bare = [one for one in _unread(sheet, wanted) if one.unit is None and fold(one.name) in probes]
         if len(wanted) == len(taken) or bare:
-            raise _none_of(sheet, rest, bare, {**columns, **(optional or {})}, len(wanted) > len(taken), called)
+            raise _none_of(sheet, rest, bare, named, len(wanted) > len(taken), called)
     _check_units(sheet, wanted)
     mark = settle_decimal(sheet, [heading for heading, _ in wanted.values()], layout.decimal)
-    named = {**columns, **(optional or {})}
     values = {
         column: seconds(sheet, heading)
         if kind == "time" and is_clock(sheet.columns[heading.index][0])
-        else quantities(sheet, heading, kind, mark, gaps and column not in named, column)
+        else quantities(sheet, heading, kind, mark, whole or (gaps and column not in named), column)
         for column, (heading, kind) in wanted.items()
     }
     for column, (heading, _) in wanted.items():
@@ -192,49 +198,45 @@ def read_table(
     clocks = [heading for heading, kind in wanted.values() if kind == "time"]
     dates = [one for head in clocks if (one := beside_clock(sheet, head)) is not None]
     more_of_one = [one for several in added.values() for one in several]
-    unread = [one for one in _unread(sheet, wanted) if one not in (*dates, *more_of_one)]
-    shares = tuple(one.title for one in unread if one.unit == "%")
-    return Table(name, values, lines, metadata, sheet.left_out, tuple(one.title for one in unread), shares)
+    unread = tuple(suffixed(one) for one in _unread(sheet, wanted) if one not in (*dates, *more_of_one))
+    cells = tuple(sheet.columns[one.index] for one in unread)
+    table = Table(name, values, lines, metadata, sheet.left_out, unread, cells, sheet.option)
+    lacking = np.any([np.isnan(one) for one in values.values()], axis=0) if whole and values else None
+    return table if lacking is None else table.without(lacking, "lacking a reading")
 
 
-def _a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet:
-    """Return a log with a row for each reading, whose probe a column names, as one with a column for each probe."""
-    clock = sheet.find("time") or _moments(sheet)
-    known = {fold(one): one for one in called}
-    cells = {one.index: {*map(fold, sheet.columns[one.index])} for one in sheet.headings}
-    told = [one for one in sheet.headings if len(cells[one.index] & {*known}) > 1]
-    read = [one for one in map(suffixed, sheet.headings) if one.unit is not None and is_of(one.unit, rest)]
-    if clock is None or len(told) != 1 or len(read) != 1 or read[0].index == told[0].index:
-        return sheet
-    names = {one: probe for one, probe in known.items() if one in cells[told[0].index]}
-    rows: dict[str, dict[str, str]] = {}
-    first: list[int] = []
-    beside = (sheet.columns[one.index] for one in (clock, told[0], read[0]))
-    for line, time, probe, cell in zip(sheet.lines, *beside, strict=True):
-        first += [] if time in rows else [line]
-        there = rows.setdefault(time, {})
-        if fold(probe) not in names or fold(probe) in there:
-            return sheet  # one that nobody knows, or read twice at once
-        there[fold(probe)] = cell
-    heads = [
-        replace(clock, index=0),
-        *(Heading(names[one], names[one], read[0].unit, k + 1) for k, one in enumerate(names)),
-    ]
-    columns = ([*rows], *([there.get(one, "") for there in rows.values()] for one in names))
-    return replace(sheet, headings=tuple(heads), columns=columns, lines=first)
+def read_tables(
+    data: bytes, name: str, columns: Mapping[str, str], *, along: str, optional: Mapping[str, str], layout: Layout
+) -> list[Table]:
+    """Read columns as ``read_table`` does, whole rows alone, of each specimen whose table stands under the others or
+    beside them, with a way ``along`` of its own or one that all share; each is called after its title, or numbered."""
+    fits, sought = _expected([columns], optional, None, ())
+    parts = [part for one in open_sheets(data, name, fits, layout, sought) for part in specimens(one, ways=(along,))]
+    labels = [entry.value if (entry := one.meta("specimen")) else one.label for one in parts]
+    named = len({*labels} - {""}) == len(parts)
+    told = (
+        [f"{name} {label if named else number}" for number, label in enumerate(labels, 1)] if len(parts) > 1 else [name]
+    )
+    read = partial(read_table, columns=columns, optional=optional, whole=True, layout=layout)
+    return [read(one, title) for one, title in zip(parts, told if len(parts) > 1 else [name], strict=True)]
 
 
-def _called_by(head: Heading, called: Sequence[str]) -> str:
-    """Return which of the ``called`` a column is, where its title names one in brackets, behind what reads it or before
-    how the logger makes one value of several (``101 <cup> (C)``, ``PT100_cup``, ``cup Ave. (°C)``); else its label."""
-    names = {fold(one): one for one in called}
-    if fold(head.label) in names:
-        return head.label
-    inner = [part for parts in BRACKETS.findall(head.title) for part in parts if part]
-    inner += [told for part in inner for told in _NAMED.findall(part)]
-    before = _ONE_VALUE.sub("", head.label)
-    found = {names[fold(one)] for one in (*inner, before, _READ_BY.sub("", before)) if fold(one) in names}
-    return found.pop() if len(found) == 1 else head.label
+def _expected(
+    columns: Sequence[Mapping[str, str]], optional: Mapping[str, str], rest: str | None, called: Sequence[str]
+) -> tuple[Fits, list[str]]:
+    """Return what says of headings whether they name what is due, one of several sets of columns, and the headings of
+    a table that could be read."""
+
+    def fits(heads: Sequence[Heading]) -> bool:
+        names = {one.name for one in heads} | {suffixed(one).name for one in heads}
+        names |= {m.name for one in heads if (m := meaning(suffixed(one))) is not None and m.name not in names}
+        names |= {told for one in heads if (told := reading(suffixed(one).label)) is not None}
+        names |= {"time" for one in heads if plain(one.label) in ("date time", "datetime")}
+        # Where none is due, a line of words above the table has none of them.
+        return any(set(one) <= names for one in columns) and (bool(columns[0]) or len(names & {*optional}) > 1)
+
+    sought = [_titled(column, kind) for column, kind in (columns[0] or dict([*optional.items()][:4])).items()]
+    return fits, [*sought, *(_titled(one, rest) for one in called if rest)]
 
 
 def _is_meant(heading: Heading, column: str, kind: str) -> bool:
@@ -246,26 +248,18 @@ def _is_meant(heading: Heading, column: str, kind: str) -> bool:
 
 def _check_units(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> None:
     """InputError where several columns lack the unit of their kind, with those that are likely for all of them."""
-    bare = [
-        (heading, f"{column} [{KINDS[kind].unit}]")
-        for column, (heading, kind) in wanted.items()
-        if heading.unit is None and KINDS[kind].unit != "1" and not is_clock(sheet.columns[heading.index][0])
-    ]
+    bare = []
+    for column, (heading, kind) in wanted.items():
+        if heading.unit is None and KINDS[kind].unit != "1" and not is_clock(sheet.columns[heading.index][0]):
+            if (odd := headings.unread_unit(heading)) is not None:
+                raise other_unit(sheet, heading, odd, kind, column)
+            bare.append((heading, f"{column} [{KINDS[kind].unit}]"))
     if len(bare) > 1:
         raise sheet.wrong(
             f"{', '.join(one.title for one, _ in bare)} have no unit",
             remedy=f'write it behind the name, as in "{bare[0][1]}", or say '
             + sheet.option([(one.title, told) for one, told in bare]),
         )
-
-
-def _moments(sheet: CsvSheet) -> Heading | None:
-    """Return the first column that tells a time of day in every row, whatever it is called: a logger's clock."""
-    for one in sheet.headings:
-        cells = sheet.columns[one.index]
-        if one.name != "aside" and cells and all(re.search(r"\d ?[:hm]", cell) and is_clock(cell) for cell in cells):
-            return one
-    return None
 
 
 def _unread(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> list[Heading]:
@@ -301,11 +295,14 @@ def _none_of(
     of a unit: with their unit filled in."""
     unit = KINDS[rest].unit
     own = [(one.title, f"{rest} [{unit}]") for one in bare]
-    own += [
-        (one.title, f"{probe} [{unit}]") for one in sheet.headings for probe in called
-        if one.unit is None and fold(one.title) in (f"{fold(probe)} c", f"{fold(probe)} degc")
-    ]  # fmt: skip
+    free = [one for one in sheet.headings if one.unit is None and one.name not in ("", "aside", *asked)]
+    free = [one for one in free if any(map(is_number, sheet.columns[one.index][:5]))]
+    # 101 cup, Data.T_cup, cup C
+    named = [(one.title, f"{probe} [{unit}]") for one in free for probe in called
+             if f" {plain(probe)} " in f" {plain(one.title)} "]  # fmt: skip
+    own = own or named or [(one.title, f"{probe} [{unit}]") for one, probe in zip(free, called[:1], strict=False)]
     unsaid = [one for one in sheet.headings if one.unit is None and one.name in asked]
+    unsaid = [one for one in unsaid if not is_clock(sheet.columns[one.index][0])]
     others = [(one.title, f"{one.name} [{KINDS[_kind(asked[one.name])].unit}]") for one in unsaid]
     return sheet.wrong(
         f"has no column of a {rest}" if not some else f"{own[0][0]} has no unit of a {rest}, which others have",
@@ -321,7 +318,7 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
         (one.unit is None, one.index, one.title.strip() or f"#{one.index + 1}", f"{column} [{one.unit}]")
         for one in sheet.headings
         if one.name not in columns
-        and (is_of(one.unit, kind) if one.unit is not None else meaning(one) != Meaning("aside"))
+        and (is_of(one.unit, kind) if one.unit is not None else _may_be(one, kind))
         and any(map(is_number, sheet.columns[one.index][:5]))
     ]
     settles = ""
@@ -329,6 +326,12 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
         bare, _, likely, said = min(perhaps)
         settles = f", or say which it is, as in {sheet.option([(likely, title if bare else said)])}"
     return sheet.wrong(f"has no column {column}; its columns are {heads}", remedy=f'name it "{title}"{settles}')
+
+
+def _may_be(head: Heading, kind: str) -> bool:
+    """Whether a column without a unit may be of a kind: unless its words say that it is another, or none."""
+    found = meaning(head)
+    return found is None or (found.name != "aside" and headings.KIND.get(found.name, kind) == kind)
 
 
 def _titled(column: str, asked: str) -> str:
@@ -340,10 +343,12 @@ def _check_increasing(sheet: CsvSheet, heading: Heading, values: Array) -> None:
     back = np.flatnonzero(np.diff(values) <= 0.0)
     if back.size:
         row = int(back[0]) + 1
+        cells = ((one.title, sheet.columns[one.index]) for one in sheet.headings)
+        anew = [title for title, own in cells if len({*own[:row]}) == 1 and own[row] != own[0]]
         raise sheet.wrong(
             f"{sheet.columns[heading.index][row]} does not follow {sheet.columns[heading.index][row - 1]}: "
             "the column must increase from row to row",
             heading,
             row=row,
-            remedy="sort the rows, each value once",
+            remedy=f"keep the rows of one {anew[0]}" if anew else "sort the rows, each value once",
         )

@@ -196,12 +196,19 @@ READINGS: dict[str, str] = {
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
     "contact": "kontakt; contacto; contatto; contato",
-    "x0": "flat x; undeformed x",
-    "y0": "flat y; undeformed y",
-    "x": "draped x; deformed x",
-    "y": "draped y; deformed y",
-    "z": "draped z; deformed z",
-}
+    **{
+        f"{axis}0": "; ".join(f"{word} {axis}; {axis} {word}" for word in ("flat", "undeformed", "undef", "reference",
+        "ref", "initial")) for axis in "xy"
+    },
+    **{
+        axis: f"draped {axis}; deformed {axis}; {axis} draped; {axis} deformed; {axis} def; {axis} coordinate; "
+        f"coordinate {axis}; coord {axis}" for axis in "xyz"
+    },
+    **{
+        move: f"displacement {axis}; {axis} displacement; disp {axis}; d{axis}; delta {axis}; verschiebung {axis}"
+        for move, axis in zip("uvw", "xyz", strict=True)
+    },
+}  # fmt: skip
 #: The same across the load: how much wider or narrower the specimen has become, beside the strain along it.
 ACROSS: dict[str, str] = {
     "strain": """lateral strain; transverse strain; transversal strain; cross strain; width strain; strain across;

@@ -50,7 +50,7 @@ _STATES = (
 #: An angle beside words of directions.
 _ANGLED = re.compile(r"\d{1,3} ?(?:deg|°)?")
 #: How near, as a share of the way, each specimen of a table begins to where the first did, and the fewest rows of one.
-_AT_REST, _FEWEST_ROWS = 0.05, 3
+AT_REST, FEWEST_ROWS = 0.05, 3
 #: A word and a specimen's number behind it.
 _NUMBERED = re.compile(r"(.*[^\W\d])[ _-]?\d{1,2}")
 #: Names of letters of which mechanics numbers the axes: sigma 1, sigma 2, sigma 3.
@@ -217,8 +217,8 @@ def with_names(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) 
         if not free or not starts or len(set(cells)) != len(starts) + 1 or any(not c or is_number(c) for c in cells):
             continue
         anew = clock is None or (len(clock) == len(cells) and all(clock[row] < clock[row - 1] for row in starts))
-        near = np.abs(way[starts] - way[0]) <= _AT_REST * np.ptp(way)
-        if anew and near.all() and min(np.diff([0, *starts, len(cells)])) >= _FEWEST_ROWS:
+        near = np.abs(way[starts] - way[0]) <= AT_REST * np.ptp(way)
+        if anew and near.all() and min(np.diff([0, *starts, len(cells)])) >= FEWEST_ROWS:
             best = max(best or (0, head), (len(starts), head), key=lambda one: one[0])
     if best is None:
         return columns

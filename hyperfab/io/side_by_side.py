@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import axis_of, plain, word_for
-from hyperfab.io.headings import Heading, heading, meaning
+from hyperfab.io.dictionary import Meaning, axis_of, plain, reading, word_for
+from hyperfab.io.headings import Heading, heading, meaning, suffixed
 from hyperfab.io.layout import Choice, Layout, named
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.roles import (
@@ -25,31 +25,32 @@ from hyperfab.io.roles import (
 from hyperfab.io.settings import Entry
 
 
-def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
+def specimens(sheet: CsvSheet, one_axis: bool = False, ways: Sequence[str] = STRETCHES) -> list[CsvSheet]:
     """Return the tables of the specimens that stand side by side, each with the columns all share; else the sheet.
 
     They are told by their titles, whatever the command line says that these hold: equal to the letter and repeated,
     by ``Probe 1``, ``Specimen 2`` before a title, by ``.1``, ``.2`` behind it, as pandas writes copies, or by ``_1``,
     ``_2``, ``_3`` and letters; two numbers are the axes of a general biaxial test, unless the test is known to have
-    ``one_axis``.
+    ``one_axis``. ``ways`` are what a stress or a force may be read along.
     """
-    if (titled := _under_titles(sheet, one_axis)) is not None:
+    if ways is STRETCHES and (titled := _under_titles(sheet, one_axis)) is not None:
         return titled
     chosen = {head.index: one for head in sheet.headings if (one := sheet.layout.choice(head, sheet.headings))}
     if any(one.name.endswith(" 2") or one.is_number for one in chosen.values()):
         return [sheet]
     own = [_plainly(one, chosen[one.index]) if one.index in chosen else one for one in sheet.headings]
-    groups, shared, stated = _grouped(own, one_axis)
+    groups, shared, stated = _grouped(own, one_axis, ways)
     if chosen:
         sheet = replace(sheet, layout=_for_all_alike(sheet.layout, groups, chosen))
         groups = {key: _as_chosen(sheet.layout, heads) for key, heads in groups.items()}
-    told = {key: {m.name for one in heads if (m := meaning(one)) is not None} for key, heads in groups.items()}
+    told = {key: {name for one in heads if (name := _held(one, meaning(one), ways))} for key, heads in groups.items()}
     if chosen:  # whose readings the command line sets aside is no specimen
         groups = {key: heads for key, heads in groups.items() if told[key] & set(STRESSES)}
     if len(groups) < 2 or not all(told[key] & set(STRESSES) for key in groups):
         return [sheet]
     shared = [one for one in sheet.headings if one.index in {head.index for head in shared}]
-    if not all(told[key] & set(STRETCHES) for key in groups) and not fits([*shared, *next(iter(groups.values()))]):
+    of_all = {_held(one, meaning(one), ways) for one in shared} & {*ways} if ways is not STRETCHES else ()
+    if not (of_all or all(told[key] & set(ways) for key in groups) or fits([*shared, *next(iter(groups.values()))])):
         return [sheet]
     found = []
     for key, heads in groups.items():
@@ -61,6 +62,12 @@ def specimens(sheet: CsvSheet, one_axis: bool = False) -> list[CsvSheet]:
     return found
 
 
+def _held(head: Heading, found: Meaning | None, ways: Sequence[str]) -> str | None:
+    """Return what a column holds: one of the ``ways`` by its name, or by the words for readings; else as ``found``."""
+    own = next((one for one in (head.name, suffixed(head).name, reading(suffixed(head).label)) if one in ways), None)
+    return own or (None if found is None else found.name)
+
+
 def _plainly(head: Heading, choice: Choice) -> Heading:
     """Return a column as its title reads; one that only says which (``Warp``) in the unit of the command line."""
     plainly = heading(head.title, head.index)
@@ -69,15 +76,15 @@ def _plainly(head: Heading, choice: Choice) -> Heading:
 
 
 def _grouped(
-    heads: Sequence[Heading], one_axis: bool
+    heads: Sequence[Heading], one_axis: bool, ways: Sequence[str]
 ) -> tuple[dict[str, list[Heading]], list[Heading], dict[str, Label]]:
     """Return the headings of each specimen by its key, those that all share, and what keys state, if no specimen."""
     groups: dict[str, list[Heading]] = {}
     shared: list[Heading] = []
     titles = [plain(head.title) for head in heads]
     repeated = {title for title in titles if title and titles.count(title) > 1}
-    names = {m.name for head in heads if plain(head.title) in repeated and (m := read(head)) is not None}
-    both = bool(names & set(STRETCHES)) and bool(names & set(STRESSES))
+    names = {_held(head, read(head), ways) for head in heads if plain(head.title) in repeated}
+    both = bool(names & {*ways, *STRETCHES}) and bool(names & set(STRESSES))
     copies = {title.rpartition(".")[0] for head in heads if re.fullmatch(r".+\.\d", title := head.title)}
     seen: dict[str, int] = {}
     for head, title in zip(heads, titles, strict=True):

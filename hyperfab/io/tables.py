@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import groupby
+from itertools import groupby, takewhile
 
 import numpy as np
 
@@ -39,6 +39,8 @@ _ABOVE = 60
 _OF_ONE = ("specimen", "cycle", "branch")
 #: Below so many rows a table beside a long one is a summary of it.
 _FEW = 12
+#: More columns than these that have no names are cells of a sensor or a picture.
+_SENSOR = 7
 #: So many rows that begin alike are readings of one specimen.
 _RUN = 3
 
@@ -202,21 +204,31 @@ def _units_of_channels(above: Sequence[Sequence[str]], width: int) -> list[str]:
 
 
 def refuse_grid(rows: Sequence[Row], sought: Sequence[str]) -> None:
-    """InputError where readings stand in a grid over the plan, under one coordinate and beside the other."""
-    start = next((k for k, (_, cells) in enumerate(rows) if is_data(cells)), len(rows))
-    told = [cells for _, cells in rows[start:]]
-    named = start > 0 and sum(map(bool, rows[start - 1][1])) > 1  # columns have names there
-    if named or len(told) < 3 or len(told[0]) < 3 or any(len(cells) != len(told[0]) for cells in told):
-        return
-    for along in (told[0][1:], [cells[0] for cells in told[1:]]):
-        steps = np.diff(plain_values(along))
-        if len(steps) != len(along) - 1 or not (np.all(steps > 0.0) or np.all(steps < 0.0)):
-            return
-    raise InputError(
-        "is a grid of readings, one coordinate above and one beside it",
-        line=rows[start][0],
-        remedy=f'write a row for each place: "{",".join(sought)}"',
-    )
+    """InputError where readings stand in a grid: under one coordinate and beside the other, or cell by cell as those of
+    a sensor or a picture."""
+    at_places = "x [mm]" in sought
+    for start, (line, cells) in enumerate(rows):
+        width = len(cells)
+        if width < 3 or not is_data(cells) or (start and sum(map(bool, rows[start - 1][1])) > width // 2):
+            continue  # columns have names there
+        sized = (len(one) == width and all(map(is_number, one)) and one for _, one in rows[start + 1 :])
+        below = [one for one in takewhile(bool, sized) if one]
+        over, beside = plain_values(cells[1:]), plain_values([one[0] for one in below])
+        if len(below) < 2:
+            continue
+        placed = at_places and len(over) == width - 1 and _goes_one_way(over) and _goes_one_way(beside)
+        if placed or (width > max(_SENSOR, len(sought)) and not _goes_one_way([*plain_values(cells[:1]), *beside])):
+            raise InputError(
+                "is a grid of readings, "
+                + ("one coordinate above and one beside it" if placed else "cell beside cell"),
+                line=line,
+                remedy=f'write a row for each {"place" if at_places else "reading"}: "{",".join(sought)}"',
+            )
+
+
+def _goes_one_way(values: Sequence[float]) -> bool:
+    steps = np.diff(values)
+    return len(steps) > 0 and bool(np.all(steps > 0.0) or np.all(steps < 0.0))
 
 
 def transposed(rows: Sequence[Row]) -> list[Row]:

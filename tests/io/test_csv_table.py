@@ -6,6 +6,7 @@ import math
 import re
 import time
 
+import numpy as np
 import pytest
 
 from hyperfab.errors import InputError, UsageError
@@ -191,8 +192,8 @@ def test_a_probe_without_a_unit_beside_others_that_have_one_is_asked_for() -> No
     assert '--columns "T2=temperature [degC]"' in str(caught.value)
     table = read("T2=temperature [degC]")
     assert (table["time"].tolist(), table["T2"].tolist()) == ([0.0, 60.0], [24.1, 24.5])
-    assert table.aside == ("Room",)
-    assert read("T2=aside").aside == ("Room",)
+    assert [one.title for one in table.aside] == ["Room"]
+    assert [one.title for one in read("T2=aside").aside] == ["Room"]
 
 
 def test_an_empty_column_is_no_probe_that_lacks_its_unit() -> None:
@@ -279,7 +280,7 @@ def test_how_a_clock_is_written_stands_in_the_row_of_units(clock, moments) -> No
 def test_a_power_in_per_cent_of_a_rating_is_left_aside() -> None:
     log = b"Zeit [s];cup [degC];Leistung [%]\n0;20;100\n1;21;100\n2;22;0\n"
     table = read_table(log, "log.csv", {"time": "time"}, optional={"power": "power"}, rest="temperature")
-    assert ([*table.columns], table.aside) == (["time", "cup"], ("Leistung [%]",))
+    assert ([*table.columns], [one.title for one in table.aside]) == (["time", "cup"], ["Leistung [%]"])
 
 
 def test_what_counts_up_in_two_parts_is_hours_or_minutes_by_its_unit() -> None:
@@ -513,8 +514,75 @@ def test_a_log_with_a_row_for_each_reading_has_a_column_for_each_probe() -> None
     assert table["cup"].tolist() == [20.0, 21.0, 22.0, 29.0]
     assert table["base"][:3].tolist() == [21.0, 22.0, 23.0]
     assert math.isnan(table["base"][3])
-    with pytest.raises(InputError, match="does not follow"):
+    with pytest.raises(InputError, match="lid is no probe of the mold; it has cup, base, rim"):
         read_table(text.replace("Base", "lid").encode(), "t.csv", {"time": "time"}, increasing="time", **read)  # type: ignore[arg-type]
+
+
+LONG = {"rest": "temperature", "called": ("cup", "base"), "gaps": True, "increasing": "time"}
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "names", "columns"),
+    [
+        ("VarName;TimeString;VarValue;Validity;Time_ms", "{name};05.03.2024 23:41:{second};{value};1;45356987{k},5",
+         ("PT100_cup", "PT100_base"), "VarValue=temperature [degC]"),
+        ("Zeit;Messstelle;Wert;Einheit", "{second};{name};{value};C", ("cup", "base"),
+         "Wert=temperature [degC],Zeit=time [s]"),
+        ("Timestamp,Serial,Temp_C", "2024-03-05T23:41:{second},{name},{value}", ("28-01ff", "28-02ab"),
+         "28-01ff=cup,28-02ab=base"),
+    ],
+    ids=["WinCC", "no unit", "serials"],
+)  # fmt: skip
+def test_what_a_long_log_leaves_open_is_settled_by_the_option_that_is_shown(head, row, names, columns) -> None:
+    """Days times a million were milliseconds, serials went back in time, to be sorted, and no option was shown."""
+    log = head + "\n" + "".join(
+        row.format(name=name, second=f"{10 + 20 * k}", value=20 + 5 * k + d, k=100 + 231 * k) + "\n"
+        for k in range(3) for d, name in enumerate(names)
+    )  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        read_table(log.encode(), "log.csv", {"time": "time"}, layout=PLAIN, **LONG)  # type: ignore[arg-type]
+    assert f'--columns "{columns}"' in str(caught.value)
+    how = layout([columns], own=("cup", "base"))
+    table = read_table(log.encode(), "log.csv", {"time": "time"}, layout=how, **LONG)  # type: ignore[arg-type]
+    assert np.diff(table["time"]).tolist() == [20.0, 20.0]
+    assert (table["cup"].tolist(), table["base"].tolist()) == ([20.0, 25.0, 30.0], [21.0, 26.0, 31.0])
+
+
+def test_what_is_no_probe_in_a_long_log_may_be_set_aside() -> None:
+    """WinCC ends its export with a row of its own; the heaters' power stands between the temperatures."""
+    log = "".join(
+        f"2024-03-05T23:41:{k:02d},{one},{20 + k + d}\n" for k in range(3) for d, one in enumerate(("cup", "base"))
+    )
+    log = f"Time,Tag,Temp [degC]\n{log}2024-03-05T23:42:00,$RT_OFF$,0\n"
+    with pytest.raises(InputError, match=r"\$RT_OFF\$ is no probe of the mold; .*'\$RT_OFF\$=aside'"):
+        read_table(log.encode(), "log.csv", {"time": "time"}, layout=PLAIN, **LONG)  # type: ignore[arg-type]
+    how = layout(["$RT_OFF$=aside"], own=("cup", "base"))
+    table = read_table(log.encode(), "log.csv", {"time": "time"}, layout=how, **LONG)  # type: ignore[arg-type]
+    assert table["time"].tolist() == [0.0, 1.0, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        ("Time;Data.T_cup;Data.T_base\n0;1,5;2,5\n1;1,5;2,5\n",
+         '"Time=time [s],Data.T_cup=cup [degC],Data.T_base=base [degC]"'),
+        ("Time [s],Chan001 cup,Unit,Chan002 base,Unit\n0,1,C,2,C\n1,2,C,3,C\n",
+         '"Chan001 cup=cup [degC],Chan002 base=base [degC]"'),
+        ("Run,time [s],cup [degC]\n1,0,20\n1,1,21\n2,0,20\n", "keep the rows of one Run"),
+    ],
+)  # fmt: skip
+def test_what_a_log_lacks_is_shown_with_its_own_columns(log: str, said: str) -> None:
+    """To name columns T1 was asked for, and to sort a log of two runs."""
+    with pytest.raises(InputError) as caught:
+        read_table(log.encode(), "log.csv", {"time": "time"}, layout=PLAIN, **LONG)  # type: ignore[arg-type]
+    assert said in str(caught.value)
+
+
+def test_a_picture_is_no_log() -> None:
+    """The first columns of a thermogram were offered as the time and the probes."""
+    picture = "".join(";".join(f"{20 + (k * j) % 7},5" for j in range(9)) + "\n" for k in range(1, 6))
+    with pytest.raises(InputError, match="is a grid of readings, cell beside cell; write a row for each reading"):
+        read_table(f"Emissivity;0,95\n\n{picture}".encode(), "t.csv", {"time": "time"}, layout=PLAIN, **LONG)  # type: ignore[arg-type]
 
 
 def test_markers_may_be_called_flat_and_draped() -> None:

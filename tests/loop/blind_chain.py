@@ -260,7 +260,7 @@ class Tracing:
         """Trace a film that was read where something is off."""
         files = chain(drawn(what, seed), self.files)
         Path("film.csv").write_bytes(film(files, np.random.default_rng([seed, 77, len(what)]), noise))
-        one = read_press(self.job, "film.csv", LAYOUT, Counter())
+        [one] = read_press(self.job, "film.csv", LAYOUT, Counter())
         peak = np.nanmax(read_vtu(files["press.vtu"], "press.vtu").point_data["pressure_MPa"])
         sd = np.full(len(one.values), noise * peak)
         places = one.places
@@ -271,7 +271,7 @@ class Tracing:
         """Trace markers on the sheet where something is off; ``noise`` in mm."""
         files = chain(replace(drawn(what, seed), drape=drawn(what, seed).drape or ("--depth", "35mm")), self.files)
         Path("markers.csv").write_bytes(markers(files, np.random.default_rng([seed, 77, len(what)]), noise))
-        one = read_markers(self.job, "markers.csv", LAYOUT, Counter())
+        [one] = read_markers(self.job, "markers.csv", LAYOUT, Counter())
         forward, draped = self.drape
         problem = drape_problem(draped, [one])
         places = np.concatenate([np.tile(part.flat, (3, 1)) for part in problem.files])

@@ -152,10 +152,12 @@ def test_markers_on_a_face_of_the_cloth_are_told(off: float, wave: float, told: 
 
 
 @pytest.mark.parametrize(
-    ("turned", "scale", "told"), [(0.4, 1.0, True), (0.0, 1.0, False), (0.4, 1.01, True), (0.0, 0.98, True)]
+    ("turned", "scale", "hand", "told"),
+    [(0.4, 1.0, 1, True), (0.0, 1.0, 1, False), (0.4, 1.01, 1, True), (0.0, 0.98, 1, True), (0.4, 1.0, -1, True)],
 )
-def test_markers_read_in_another_frame_are_told(turned: float, scale: float, told: bool) -> None:
-    """A shift and a turn of all of them, and a camera's scale; as they are thought nothing is said of a frame."""
+def test_markers_read_in_another_frame_are_told(turned: float, scale: float, hand: int, told: bool) -> None:
+    """A shift and a turn of all of them, a camera's scale, and z downwards; as they are thought nothing is said of a
+    frame."""
     problem = drape()
     line = np.linspace(-100.0, 100.0, 7)
     x, y = np.meshgrid(line, line, indexing="ij")
@@ -165,7 +167,7 @@ def test_markers_read_in_another_frame_are_told(turned: float, scale: float, tol
     given = problem.delivered
     places = np.stack([given[: len(axis)][axis == way] for way in range(3)], axis=1)
     about = np.deg2rad(turned) * np.array([0.6, 0.0, 0.8])
-    moved = scale * Rotation.from_rotvec(about).apply(places) + turned * np.array([1.0, -2.0, 0.5])
+    moved = scale * Rotation.from_rotvec(about).apply(places * [1.0, 1.0, hand]) + turned * np.array([1.0, -2.0, 0.5])
     problem.measured = given.copy()
     for way in range(3):
         problem.measured[np.flatnonzero(axis == way)] = moved[:, way] + 0.02 * rng.standard_normal(len(moved))
@@ -174,6 +176,7 @@ def test_markers_read_in_another_frame_are_told(turned: float, scale: float, tol
     assert bool(lines) == told
     # The sheet's own constants take a little of it.
     for line in lines:
+        assert ("frame, mirrored (z the other way)" in line) == (hand < 0)
         assert float(re.search(r"turned by (\d+\.?[\de-]*) deg", line)[1]) == pytest.approx(turned, abs=0.08), line
         grown = re.search(r"all (\S+) % too (large|small)", line)
         sign = 0.0 if grown is None else 1.0 if grown[2] == "large" else -1.0

@@ -21,7 +21,7 @@ _OF_A_PRESS = ("pressure", "contact", "thickness", "formed thickness", "height",
 _NAMES = {
     "press": (*"xyz", "stroke", *_OF_A_PRESS, *(f"{name} sd" for name in _OF_A_PRESS)),
     "contact": ("depth", "force sd"),
-    "drape": ("x0", "y0", *"xyz", "x sd", "position sd"),
+    "drape": ("x0", "y0", *"xyzuvw", "x sd", "position sd"),
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -14,18 +15,20 @@ from hyperfab.cases.contact import ContactCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, PRESSED, contact_applied, extend_contact
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
-from hyperfab.chapters.close_loop.readings import once, pushed, read_files, spread, stated_in
+from hyperfab.chapters.close_loop.readings import read_files, spread, stated_in, unread
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material
+from hyperfab.chapters.close_loop.taken import AS_READ, once, past_touch, pushed, specimens
 from hyperfab.chapters.fabric import FabricDocument
 from hyperfab.chapters.fabric_contact.setup import read_geometry, setup_of
+from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.rerun import Listener, Overlay, check_unchanged, unchanged
 from hyperfab.chapters.sheet import read_fabric
 from hyperfab.documents.base import parse_document, read_document
 from hyperfab.documents.contact import ContactDocument
 from hyperfab.documents.material import MaterialDocument
-from hyperfab.errors import InputError, NotConverged
-from hyperfab.io.csv_table import read_table
+from hyperfab.errors import NotConverged
+from hyperfab.io.csv_table import read_tables
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.loop.contact import ContactProblem, ForceDepth, Sheet, contact_problem
@@ -55,7 +58,7 @@ def run(job: Job, given: Given) -> int:
     """Close the loop on a contact document."""
     out = job.opened(*MODEL_SUFFIXES, FABRIC, ".png", ".csv")
     made = unchanged(ContactCase, given.data, given.case.model)
-    files = read_files(job, given, read_force_depth, ("force",))
+    files = read_files(job, given, partial(read_force_depth, steps=given.how.steps), ("force",))
     out.refuse_inputs(job.inputs)
     document = parse_document(given.data, given.case.model, ContactDocument)
     material = read_document(job.inputs, made.case.material, MaterialDocument)
@@ -83,22 +86,28 @@ def note_temperatures(job: Job, fabric: FabricDocument, files: Sequence[ForceDep
         job.ranges.used("temperature_degC", met, known=fabric.known or None, source=fabric.name)
 
 
-def read_force_depth(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> ForceDepth:
-    """Read depth and force, with temperature from a column or the metadata; and the force's sd column.
+def read_force_depth(
+    job: Job, name: str, layout: Layout, left_out: Counter[str], steps: Steps = AS_READ
+) -> list[ForceDepth]:
+    """Read depth and force of each specimen, with temperature from a column or the metadata; and the force's sd column.
 
     Rows without a reading of their own are counted in ``left_out``.
     """
     optional = {"temperature": "temperature", "force sd": "force"}
-    table = read_table(
-        job.inputs.read(name), name, {"depth": "length", "force": "force"}, optional=optional, layout=layout
-    )
-    table = pushed(job, table, "depth")
-    table = once(table, ("force", "force sd"), left_out, along="depth")
-    temperature, whole = table.columns.get("temperature"), stated_in(table, "temperature")
-    if temperature is None and whole is not None:
-        temperature = np.full(len(table["depth"]), whole)
-    friction = stated_in(table, "friction", "dimensionless")
-    return ForceDepth(name, table["depth"], table["force"], temperature, friction=friction, sd=spread(table, "force"))
+    columns, data = {"depth": "length", "force": "force"}, job.inputs.read(name)
+    tables = read_tables(data, name, columns, along="depth", optional=optional, layout=layout)
+    parts = [part for one in tables for part in specimens(one, "depth")]
+    unread(job, name, parts[0])
+    found = []
+    for one in parts:
+        part = once(pushed(job, one, "depth", steps), ("force", "force sd"), left_out, along="depth")
+        temperature, stated = part.columns.get("temperature"), stated_in(part, "temperature")
+        if temperature is None and stated is not None:
+            temperature = np.full(len(part["depth"]), stated)
+        friction = stated_in(part, "friction", "dimensionless")
+        sd = spread(part, "force")
+        found.append(ForceDepth(part.name, part["depth"], part["force"], temperature, friction=friction, sd=sd))
+    return found
 
 
 def pose_sheet(
@@ -109,9 +118,9 @@ def pose_sheet(
 ) -> Sheet:
     """Run the sheet on a sparse grid of its constants and effects, on a coarse mesh, and return what stands for it."""
     test = forward.test()
+    for pushed_in in files:
+        past_touch(pushed_in.name, pushed_in.depth, "depth")
     deepest = float(max(np.max(one.depth) for one in files))
-    if deepest <= 0.0:
-        raise InputError("has no depth above 0", file=files[0].name, remedy="count depth from the first touch")
     knots = np.linspace(0.0, 1.02 * deepest, _KNOTS + 1)[1:]
     names, linear = linear_of(forward.material)
     first = linear.index(True) if any(linear) else -1

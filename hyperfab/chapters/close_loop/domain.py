@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from hyperfab.cases.loop import LoopCase
@@ -26,8 +26,9 @@ class How:
     steps: Steps = field(default_factory=Steps)
 
     def check(self, what: str) -> None:
-        """UsageError where something of it is said of a model that is no fabric."""
-        if self != How():
+        """UsageError where something of it is said of a model that is no fabric; where a push counts from may be."""
+        pushed = what in ("contact", "press")
+        if replace(self, steps=replace(self.steps, zero=False, preload=None) if pushed else self.steps) != How():
             raise UsageError(
                 f"--uniaxial, sizes, --branch and their like are for tests of a fabric, and the model is a {what}"
             )

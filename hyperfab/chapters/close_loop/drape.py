@@ -13,9 +13,10 @@ from hyperfab.cases.drape import LOAD_STEPS, DrapeCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_sheet import FABRIC, SIZED, THREADS, drape_applied, extend_drape
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, Extension, Traces, finish
-from hyperfab.chapters.close_loop.readings import Files, once, spread
+from hyperfab.chapters.close_loop.readings import Files, spread, unread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
 from hyperfab.chapters.close_loop.softening import linear_of, scaled_material, widths
+from hyperfab.chapters.close_loop.taken import at_places, once
 from hyperfab.chapters.close_loop.upstream_written import WRITTEN
 from hyperfab.chapters.drape.fabric import note_ranges, read_fabric
 from hyperfab.chapters.drape.model import Model, model_of, read_files
@@ -28,7 +29,7 @@ from hyperfab.documents.base import read_document
 from hyperfab.documents.loop import LoopDocument
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.io.csv_table import read_table
+from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.layout import Layout
 from hyperfab.loop.drape import (
@@ -48,6 +49,14 @@ from hyperfab.loop.emulator import Axis as Setting
 from hyperfab.loop.emulator import Kriged, krige
 from hyperfab.loop.engine import Finding
 
+#: Columns of a marker's place on the flat sheet, and of how far it moved from there.
+FLAT, MOVES = ("x0", "y0"), ("u", "v", "w")
+#: Markers that are no farther from the middle than this share of half the sheet were read in another unit.
+_SPREAD = 0.05
+#: So many markers at one and the same draped place were not seen.
+_LOST = 3
+#: Places whose height differs by less than this share of how it changes lie on a flat sheet.
+_LEVEL = 0.2
 #: Nodes a side of the loop's own grid, its load steps where it rubs, and the residual it is brought to.
 _NODES, _STEPS, _TOLERANCE = 25, 10, 1e-6
 #: The residual with which a run counts where no step gets nearer: places are then off by some thousandths of a mm.
@@ -112,20 +121,57 @@ def run(job: Job, given: Given) -> int:
     )
 
 
-def read_markers(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> Markers:
-    """Read markers: their places on the flat sheet and on the draped one, and the sd of x, y and z where stated.
+def read_markers(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> list[Markers]:
+    """Read markers of each specimen: their places on the flat sheet and on the draped one, or the one of them and how
+    far each moved; and the sd of x, y and z where stated.
 
     Rows without a marker of their own are counted in ``left_out``.
     """
-    columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
-    optional = {"x sd": "length", "position sd": "length"}
-    table = read_table(job.inputs.read(name), name, columns, optional=optional, layout=layout)
-    table = once(table, (*"xyz", *optional), left_out)
-    sd = spread(table, "position")
-    if sd is None:
-        sd = spread(table, "x")
-    flat, found = (np.stack([table[axis] for axis in axes], axis=1) for axes in (("x0", "y0"), "xyz"))
-    return Markers(name, flat, found, lines=table.lines, sd=None if sd is None else np.tile(sd, 3))
+    columns, optional = dict.fromkeys((*FLAT, *"xyz"), "length"), {"x sd": "length", "position sd": "length"}
+    moved = [dict.fromkeys((*own, *MOVES), "length") for own in (FLAT, "xyz")]
+    data = job.inputs.read(name)
+    table = read_table(data, name, columns, instead=moved, optional=optional, whole=True, layout=layout)
+    if MOVES[0] in table:
+        table = _moved(job, table)
+    there, again = np.unique(np.stack([table[one] for one in "xyz"], axis=1), axis=0, return_counts=True)
+    for place in there[again >= _LOST]:  # what a camera writes for a marker that it does not see
+        same = np.all([table[one] == value for one, value in zip("xyz", place, strict=True)], axis=0)
+        if len(np.unique(np.stack([table[one][same] for one in FLAT], axis=1), axis=0)) >= _LOST:
+            table = table.without(same, "marker that was not seen, at one place with others")
+    parts = at_places(table, FLAT)
+    unread(job, name, parts[0])
+    found = []
+    for one in parts:
+        part = once(one, (*"xyz", *optional), left_out)
+        sd = spread(part, "position")
+        if sd is None:
+            sd = spread(part, "x")
+        flat, there = (np.stack([part[axis] for axis in axes], axis=1) for axes in (FLAT, "xyz"))
+        found.append(Markers(part.name, flat, there, lines=part.lines, sd=None if sd is None else np.tile(sd, 3)))
+    return found
+
+
+def _moved(job: Job, table: Table) -> Table:
+    """Return markers whose displacements u, v, w were read with both places: from the flat one to the draped one.
+
+    Of a file that has x, y and z alone the flat places are those whose height stays the same.
+    """
+    u, v, w = (table[one] for one in MOVES)
+    columns = {one: values for one, values in table.columns.items() if one not in MOVES}
+    if FLAT[0] in table:
+        return replace(table, columns=columns | {"x": table["x0"] + u, "y": table["y0"] + v, "z": w})
+    x, y, z = (table[one] for one in "xyz")
+    before, behind = float(np.ptp(z)), float(np.ptp(z - w))
+    if min(before, behind) > _LEVEL * float(np.ptp(w)):
+        raise InputError(
+            "neither x, y, z nor these less u, v, w lie on a flat sheet", file=table.name,
+            remedy="give the displacements from the flat sheet on, in its plane and along its normal",
+        )  # fmt: skip
+    flat = before < behind
+    columns |= {"x0": x, "y0": y, "x": x + u, "y": y + v, "z": z + w} if flat else {"x0": x - u, "y0": y - v}
+    where = "flat" if flat else "draped"
+    job.console.note(f"{table.name}: x, y and z are the places on the {where} sheet, u, v and w how far each moved")
+    return replace(table, columns=columns)
 
 
 def _tracked(job: Job, draped: Draped, files: Files[Markers]) -> Files[Markers]:
@@ -154,6 +200,13 @@ def _check_places(sheet: Sheet, files: Sequence[Markers]) -> None:
                 f"the marker at ({x:g}, {y:g}) mm is not on the sheet of {sheet.size[0]:g} by {sheet.size[1]:g} mm",
                 file=one.name,
                 remedy="count x0 and y0 from the middle of the flat sheet, along warp and weft",
+            )
+        if away[worst] < _SPREAD:
+            raise InputError(
+                f"all markers lie within {100.0 * away[worst]:.2g} % of the sheet of {sheet.size[0]:g} by "
+                f"{sheet.size[1]:g} mm, about its middle",
+                file=one.name,
+                remedy="look at the units of their places",
             )
 
 

@@ -15,7 +15,7 @@ from hyperfab.chapters.close_loop.describe import describe, say
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_mold import TABLES, extend
 from hyperfab.chapters.close_loop.finalise import picture, ticking, write
-from hyperfab.chapters.close_loop.heaters import Drawn, as_share, heated_by, own_power, ratings, read_powers, ruled
+from hyperfab.chapters.close_loop.heaters import Drawn, as_power, heated_by, own_power, ratings, read_powers, ruled
 from hyperfab.chapters.close_loop.readings import Thermocouples, check_fixed, read_thermocouples, stated_size
 from hyperfab.chapters.close_loop.sure import caution, noted
 from hyperfab.chapters.job import Job
@@ -77,7 +77,7 @@ def run(job: Job, given: Given) -> int:
             key=f"heater.{min(unread)}.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W] (several that --columns "
             f"calls so are added up) or of each as {own_power(min(unread))} [W], or give it as "
-            'schedule = "power.csv" in place of control' + as_share(read.shares, rated, given.layout),
+            'schedule = "power.csv" in place of control' + as_power(read.unread, rated, given.layout),
         )
     if any(is_coarse(one.power) for one in drawn):
         job.console.warn(

@@ -10,6 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.documents.mold import MoldDocument
+from hyperfab.io.headings import Heading, is_of
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.thermal.reduced import ReducedMold
 from hyperfab.thermal.tables import Table
@@ -71,10 +72,17 @@ def heated_by(mold: ReducedMold, drawn: Drawn, times: Array, power: Array) -> Re
     return replace(mold, heaters=heaters, corners=tuple(sorted({*mold.corners, *turns})))
 
 
-def as_share(titles: Sequence[str], rated: Mapping[str, float | None], layout: Layout) -> str:
-    """Return the options that take columns in per cent as shares of what is ``rated`` [W], where they can be told."""
+def as_power(unread: Sequence[Heading], rated: Mapping[str, float | None], layout: Layout) -> str:
+    """Return the options that take columns that nothing was read from as the power: all in its unit together, or those
+    in per cent as shares of what is ``rated`` [W], where they can be told."""
     told = [one.entry for one in layout.columns]
     whole, own = rated["power"], {name: power for name, power in rated.items() if name != "power"}
+    drawn = [one for one in unread if is_of(one.unit or "", "power")]
+    if drawn:
+        names = [*own] if len(drawn) == len(own) else ["power"] * len(drawn)
+        each = [(one.title, f"{name} [{one.unit}]") for one, name in zip(drawn, names, strict=True)]
+        return f"; if {', '.join(one.title for one in drawn)} is what they drew, {filled_in([*told, *each])}"
+    titles = [one.title for one in unread if one.unit == "%"]
     if len(titles) == 1 and whole is not None:
         return (
             f"; if {titles[0]} is the share of {whole:g} W that was on, {filled_in([*told, (titles[0], 'power [%]')])}"

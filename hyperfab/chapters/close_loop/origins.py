@@ -43,20 +43,25 @@ def another_frame(problem: Problem, found: Finding) -> list[str]:
         for rows in (found.before.fit.predicted, problem.measured)
     )
     weight = np.stack([1.0 / sd[axis == way] for way in range(3)], axis=1)
-    turn, _ = Rotation.align_vectors(read - read.mean(axis=0), thought - thought.mean(axis=0))
-    turned = turn.apply(thought - thought.mean(axis=0))
-    scale = float(np.sum((read - read.mean(axis=0)) * turned) / max(np.sum(turned**2), 1e-300))
     beyond = float(np.mean(((read - thought) * weight) ** 2)) - 1.0
-    for larger in (1.0, scale):
-        left = float(np.mean(((read - read.mean(axis=0) - larger * turned) * weight) ** 2)) - 1.0
-        if beyond > SMALL**2 and left <= SHARE * beyond:
-            shifted = read.mean(axis=0) - larger * turn.apply(thought.mean(axis=0))
+    centred = read - read.mean(axis=0)
+    for hand in (1.0, -1.0):
+        handed = thought * np.array([1.0, 1.0, hand])
+        turn, _ = Rotation.align_vectors(centred, handed - handed.mean(axis=0))
+        turned = turn.apply(handed - handed.mean(axis=0))
+        scale = float(np.sum(centred * turned) / max(np.sum(turned**2), 1e-300))
+        for larger in (1.0, scale):
+            left = float(np.mean(((centred - larger * turned) * weight) ** 2)) - 1.0
+            if beyond <= SMALL**2 or left > SHARE * beyond:
+                continue
+            shifted = read.mean(axis=0) - larger * turn.apply(handed.mean(axis=0))
             shift, angle = ", ".join(f"{one:.3g}" for one in shifted), np.rad2deg(turn.magnitude())
             scaled = "" if larger == 1.0 else f", all {abs(100.0 * (scale - 1.0)):.2g} % too {_size(scale)}"
+            mirrored = "" if hand > 0.0 else ", mirrored (z the other way)"
             again = "the frame again at the clamped edge" if larger == 1.0 else "a known length beside the sheet"
             return [
-                "The markers lie where the model has them without any effect, but for their frame, shifted by "
-                f"({shift}) mm and turned by {angle:.2g} deg{scaled}: read {again} before anything is said to lack."
+                f"The markers lie where the model has them without any effect, but for their frame{mirrored}, shifted "
+                f"by ({shift}) mm and turned by {angle:.2g} deg{scaled}: read {again} before anything is said to lack."
             ]
     return []
 

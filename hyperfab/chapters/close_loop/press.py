@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -15,9 +16,11 @@ from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
 from hyperfab.chapters.close_loop.press_places import on_front, told_of_places
-from hyperfab.chapters.close_loop.readings import once, pushed, spread, stated_in
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
+from hyperfab.chapters.close_loop.readings import spread, stated_in, unread
+from hyperfab.chapters.close_loop.taken import AS_READ, at_places, once, past_touch, pushed, specimens
 from hyperfab.chapters.close_loop.upstream_written import WRITTEN
+from hyperfab.chapters.fit.prepare import Steps
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact import SIBLINGS, note_ranges, solve
 from hyperfab.chapters.press_contact.formed import formed, read_setting
@@ -29,10 +32,10 @@ from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.csv_table import Table, read_table
+from hyperfab.io.csv_table import Table, read_tables
 from hyperfab.io.dictionary import plain
-from hyperfab.io.headings import heading, is_of
-from hyperfab.io.layout import Layout, filled_in
+from hyperfab.io.headings import is_of, meaning
+from hyperfab.io.layout import Layout
 from hyperfab.loop.catalogue.press import FoamContext
 from hyperfab.loop.press import PressProblem, press_problem
 from hyperfab.loop.press_reading import Kind, Reading, Setting, Warmth
@@ -46,6 +49,7 @@ _COLUMNS = {
     "formed thickness": "length",
     "height": "length",
 }
+_PEAK = {"peak", "max", "maximum", "spitze"}
 _OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
 
 
@@ -54,7 +58,12 @@ def run(job: Job, given: Given) -> int:
     beside = [f".model{suffix}" for suffix in SIBLINGS]
     out = job.opened(*MODEL_SUFFIXES, *beside, *WRITTEN, FOAM, SET, ".png", ".csv")
     made = unchanged(PressCase, given.data, given.case.model)
-    files = read_measured(job, given, read_press, ("stress", "length", "force", "dimensionless"))
+    files = read_measured(
+        job, given, partial(read_press, steps=given.how.steps), ("stress", "length", "force", "dimensionless")
+    )
+    for one in [*files.measured, *files.apart]:
+        if one.stroke is not None:
+            past_touch(one.name, one.stroke, "stroke")
     kind = files.measured[0].kind
     if any(one.kind != kind for one in files.apart):
         raise UsageError(f"--hold-out takes readings of the first --measured file's kind here: {kind}")
@@ -112,64 +121,83 @@ def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
     return told, listener.warnings
 
 
-def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str]) -> Reading:
+def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str], steps: Steps = AS_READ) -> list[Reading]:
     """Read a file of ``x, y, z`` with one of pressure, contact, thickness, formed thickness, height, or of ``stroke,
-    force``, or of fabrics alone, ``pressure, thickness``; and its sd column.
+    force``, or of fabrics alone, ``pressure, thickness``; and its sd column. Of several specimens each is its own.
 
     The coordinates are those of the drawing (STL). Rows without a reading of their own are counted in ``left_out``.
     """
     optional = dict.fromkeys("xyz", "length") | dict(_COLUMNS) | {"stroke": "length", "force": "force"}
     optional |= {f"{key} sd": kind for key, kind in {**_COLUMNS, "force": "force"}.items()}
     optional |= {"time": "time", "temperature": "temperature"}
-    table = read_table(job.inputs.read(name), name, {}, optional=optional, layout=layout)
-    temperature = _temperature(table)
-    if "stroke" in table and "force" in table:
-        table = pushed(job, table, "stroke")
-        table = once(table, ("force", "force sd"), left_out, along="stroke")
-        return Reading(
-            name, "force", table["force"], stroke=table["stroke"], time_s=_time(table), temperature=temperature,
-            sd=spread(table, "force"),
+    tables = read_tables(job.inputs.read(name), name, {}, along="stroke", optional=optional, layout=layout)
+    parts = [part for table in tables for part in _parts(table)]
+    unread(job, name, parts[0])
+    found = []
+    for table in parts:
+        kind, load, places = next((one for one in _COLUMNS if one in table), "force"), None, None
+        temperature = _temperature(table)
+        if "stroke" in table and "force" in table:
+            kind, table = "force", pushed(job, table, "stroke", steps)
+            table = once(table, (kind, "force sd"), left_out, along="stroke")
+        elif "x" in table:
+            table = once(table, (kind, f"{kind} sd"), left_out)
+            places = np.stack([table[axis] for axis in "xyz"], axis=1)
+        else:
+            kind, table = "thickness", once(table, ("thickness", "thickness sd"), left_out, along="pressure")
+            load = table["pressure"]
+        values = table[kind]
+        if kind == "contact":
+            remedy = "write 1 where it touches and 0 where it does not"
+            table.refuse((values != 0.0) & (values != 1.0), "is {:g}", column="contact", remedy=remedy)
+        told: Kind = "fabric" if load is not None else _OTHER.get(kind, kind)  # type: ignore[arg-type]
+        found.append(
+            Reading(
+                table.name, told, values - np.mean(values) if told == "mounting" else values, places=places, load=load,
+                stroke=table["stroke"] if told == "force" else None, time_s=None if told == "fabric" else _time(table),
+                temperature=None if told == "fabric" else temperature, sd=spread(table, kind),
+            )
         )  # fmt: skip
-    if "pressure" in table and "thickness" in table and "x" not in table:
-        table = once(table, ("thickness", "thickness sd"), left_out, along="pressure")
-        return Reading(name, "fabric", table["thickness"], load=table["pressure"], sd=spread(table, "thickness"))
+    return found
+
+
+def _parts(table: Table) -> list[Table]:
+    """Return the specimens of a table; InputError where it is no reading of a press."""
     kinds = [kind for kind in _COLUMNS if kind in table]
-    if not all(axis in table for axis in "xyz") or len(kinds) != 1:
-        unread = _likely(table) if not kinds or "x" not in table else []
-        flat = "z" not in table and all(axis in table or axis in {told[:1] for _, told in unread} for axis in "xy")
-        raise InputError(
-            "is no reading of a press",
-            file=name,
-            remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
-            '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
-            + (f"; or say which it is, as in {filled_in(unread)}" if unread else "")
-            + ("; z is how high the male's STL stands at x, y" if flat else ""),
-        )
-    table = once(table, (kinds[0], f"{kinds[0]} sd"), left_out)
-    time, values = _time(table), table[kinds[0]]
-    kind: Kind = _OTHER.get(kinds[0], kinds[0])  # type: ignore[arg-type]
-    if kind == "contact":
-        remedy = "write 1 where it touches and 0 where it does not"
-        table.refuse((values != 0.0) & (values != 1.0), "is {:g}", column="contact", remedy=remedy)
-    places = np.stack([table[axis] for axis in "xyz"], axis=1)
-    if kind == "mounting":
-        values = values - np.mean(values)
-    sd = spread(table, kinds[0])
-    return Reading(name, kind, values, places=places, time_s=time, temperature=temperature, sd=sd)
+    if "stroke" in table and "force" in table:
+        return specimens(table, "stroke")
+    if "pressure" in table and "thickness" in table and "x" not in table:
+        return [table]
+    if all(axis in table for axis in "xyz") and len(kinds) == 1:
+        return at_places(table, "xyz")
+    unknown = _likely(table) if not kinds or "x" not in table else []
+    flat = "z" not in table and all(axis in table or axis in {told[:1] for _, told in unknown} for axis in "xy")
+    raise InputError(
+        "is no reading of a press",
+        file=table.name,
+        remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
+        '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
+        + (f"; or say which it is, as in {table.option(unknown)}" if unknown else "")
+        + ("; z is how high the male's STL stands at x, y" if flat else ""),
+    )
 
 
 def _likely(table: Table) -> list[tuple[str, str]]:
     """Return what columns that were not read are by their units, for a message; else the last a pressure."""
-    heads = [heading(title, 0) for title in table.aside]
+    heads = table.aside
     placed = all(axis in table for axis in "xyz")
     axes = [] if placed else [(one, axis) for one in heads for axis in "xyz" if axis in plain(one.label).split()]
     names = {"stress": "pressure", "length": "thickness"} if placed or axes else {"length": "stroke", "force": "force"}
     found = {axis: one for one, axis in reversed(axes)}
-    for one in heads:  # of a mean and a peak the first
+    for one in sorted(heads, key=lambda one: not _PEAK.isdisjoint(plain(one.label).split())):  # a mean before a peak
         name = next((name for kind, name in names.items() if is_of(one.unit or "", kind)), None)
         if name is not None and one not in found.values():
             found.setdefault(name, one)
-    bare = [(one.title, "pressure [MPa]") for one in heads[-1:] if one.unit is None]
+    bare = [
+        (one.title, "pressure [MPa]")
+        for one in heads[-1:]
+        if one.unit is None and meaning(one) is None and (placed or axes)
+    ]
     told = [(one, name) for one in heads for name, other in found.items() if other is one]
     return [(one.title, f"{name} [{one.unit or 'mm'}]") for one, name in told] or bare
 

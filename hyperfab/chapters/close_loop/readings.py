@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Generic
 
 import numpy as np
 
-from hyperfab.arrays import Array, Flags, Ints
+from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.domain import Given
-from hyperfab.chapters.fit.prepare import broken
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.look import stated_noise
 from hyperfab.errors import InputError, UsageError, placed
 from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.dictionary import plain
-from hyperfab.io.headings import is_of
+from hyperfab.io.headings import Heading, is_of
 from hyperfab.io.layout import Layout, filled_in
 from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
@@ -29,12 +28,8 @@ from hyperfab.loop.problem import Problem
 from hyperfab.loop.scatter import Guess, levels
 from hyperfab.loop.thresholds import FEWEST
 from hyperfab.numerics.doubt import leap
-from hyperfab.numerics.hygiene import look
 from hyperfab.numerics.spikes import off_in_hold
 
-#: Results whose instrument, a film or a load cell, has an end of its range (a contact is 0 or 1, and what no mold
-#: touches has one thickness), and what moves while they are read: a hold reads the same without being at that end.
-_RANGED, _WAYS = ("pressure", "force"), (*"xyz", "stroke", "depth")
 #: The quantity that ``--noise`` states of each kind of reading.
 _QUANTITIES = {
     "pressure": "stress",
@@ -45,10 +40,6 @@ _QUANTITIES = {
     "force": "force",
     "contact": "dimensionless",
 }
-#: What wobbles by less than this share of its way is held.
-_HOLD = 0.02
-#: Forces that are 0, and steps behind them, of which a load cell is known to show none so small.
-_ZEROS = 3
 
 
 @dataclass(frozen=True)
@@ -105,19 +96,22 @@ class Files(Generic[F]):
 def read_files(
     job: Job,
     given: Given,
-    read: Callable[[Job, str, Layout, Counter[str]], F],
+    read: Callable[[Job, str, Layout, Counter[str]], Sequence[F]],
     quantities: Sequence[str],
 ) -> Files[F]:
-    """Read every file, of ``quantities`` that ``--noise`` may state; InputError where there are too few readings."""
+    """Read every file, of which each may hold several specimens, of ``quantities`` that ``--noise`` may state;
+    InputError where there are too few readings."""
     found: Files[F] = Files([], level=stated_noise(given.case.noise, quantities))
-    found.measured.extend(read(job, name, given.layout, found.left_out) for name in given.case.readings)
+    for name in given.case.readings:
+        found.measured.extend(read(job, name, given.layout, found.left_out))
     if sum(len(one.values) for one in found.measured) < FEWEST:
         raise InputError(
             "has too few readings to tell noise from a residual",
             file=given.case.readings[0],
             remedy=f"give {FEWEST} or more",
         )
-    found.apart.extend(read(job, name, given.layout, found.left_out) for name in given.case.held)
+    for name in given.case.held:
+        found.apart.extend(read(job, name, given.layout, found.left_out))
     if found.level is not None and all(found.level[0] != _QUANTITIES.get(one.kind) for one in found.measured):
         raise UsageError("--noise states another kind of reading than the files hold")
     return found
@@ -129,107 +123,16 @@ def stated_size(text: str | None, kind: str) -> float | None:
     return None if told is None else told[1]
 
 
-def once(table: Table, results: Sequence[str], left_out: Counter[str], along: str = "") -> Table:
-    """Return a table of readings with every row once, in the order of what they were read ``along``, if anything; rows
-    that are no reading, or copies, are counted in ``left_out``.
-
-    ``results`` are the columns that say what was read, the others where. Rows that agree number for number are copies
-    where no place was read again with another result; else they may be readings that agree. Copies would pass for
-    repeats that have no noise. Pressures and forces at the end of an instrument's range are no readings
-    either, nor forces of 0 that are less than a load cell shows: as quiet as they are, they would pass for noise that
-    goes with the reading.
-    """
-    gone = Counter(table.left_out)
-    where = [values for name, values in table.columns.items() if name not in results]
-    rows = np.stack([*where, *(table[name] for name in results if name in table)], axis=1)
-    _, first = np.unique(rows, axis=0, return_index=True)
-    if len(first) == len(np.unique(rows[:, : len(where)], axis=0)) < len(rows):
-        kept = np.sort(first)
-        gone["row that stands there already"] += len(rows) - len(kept)
-        table = _rows(table, kept)
-    if results[0] in _RANGED:
-        ended = range_ended(table[results[0]])
-        ways = [table[way] for way in _WAYS if way in table]
-        if np.any(ended) and any(np.ptp(way[ended]) > _HOLD * np.ptp(way) for way in ways):
-            gone[f"at the end of the range ({results[0]} {np.max(table[results[0]]):g})"] += int(np.sum(ended))
-            table = _rows(table, np.flatnonzero(~ended))
-    if along:
-        table = _rows(table, np.argsort(table[along], kind="stable"))
-    if along and results[0] == "force" and np.any(none := not_shown(table["force"])):
-        gone[f"below what the load cell shows (force {np.min(table['force'][~none]):g})"] += int(np.sum(none))
-        table = _rows(table, np.flatnonzero(~none))
-    left_out.update({f"{table.name}: {reason}": count for reason, count in gone.items()})
-    return table
-
-
-def pushed(job: Job, table: Table, along: str) -> Table:
-    """Return forces without those behind a burst, which the table counts.
-
-    Warned of is a force that falls for good while the machine goes on, and one that is another on the way back: no
-    sheet or sandwich of a model does either, and both would be fitted. The rows are as the machine wrote them.
-    """
-    depth, force = table[along], table["force"]
-    way = 1.0 + (depth - np.min(depth)) / max(float(np.ptp(depth)), 1e-300)
-    end = broken(way, force)
-    if end < len(way):
-        gone = Counter(table.left_out) + Counter({"behind the burst": len(way) - end})
-        table = replace(_rows(table, np.arange(end)), left_out=dict(gone))
-        way, force = way[:end], force[:end]
-    for doubt in look(way, force, time=table.columns.get("time")):
-        size, line = f"{100 * doubt.size:.0f} % of the peak", table.lines[doubt.rows[0]]
-        if doubt.kind == "failing":
-            told = f"from here on the force falls, by {size}: what broke there?"
-        elif doubt.kind == "unloading":
-            told = f"on the way back the force is another, by {size} in the mean, which no model of a push knows:"
-        else:
-            continue
-        job.console.warn(f"{table.name}, line {line}: {told} leave out these rows")
-    return table
-
-
-def _rows(table: Table, kept: Ints) -> Table:
-    columns = {name: values[kept] for name, values in table.columns.items()}
-    return replace(table, columns=columns, lines=table.lines[kept])
-
-
-def range_ended(values: Array) -> Flags:
-    """Return which readings (n,), in no order, stand at the end of their instrument's range: at the largest one, digit
-    for digit, and more than three times as many as agree anywhere else above zero.
-
-    Some have to be less: where all agree, it is what there was to read.
-
-    >>> int(range_ended(np.array([0.0, 0.0, 0.0, 0.0, 1.1, 1.4, 2.0, 2.0, 2.0, 2.0])).sum())
-    4
-    >>> bool(range_ended(np.full(9, 2.0)).any())
-    False
-    """
-    found, counts = np.unique(values, return_counts=True)
-    below = counts[:-1][found[:-1] > 0.0]
-    ended = len(below) > 0 and counts[-1] > 3 * np.max(below)
-    return np.asarray((values == found[-1]) & ended)
-
-
-def not_shown(force: Array) -> Flags:
-    """Return which forces (n,), in the order of the way, are 0 because the load cell shows none so small: where it
-    shows one the first stands off 0 by more than twice what those behind it do off each other.
-
-    >>> np.flatnonzero(not_shown(np.array([0.0, 0.0, 0.0, 0.5, 0.6, 0.72, 0.85]))).tolist()
-    [0, 1, 2]
-    >>> bool(not_shown(np.round(np.linspace(0.0, 9.0, 30) ** 2 / 9.0)).any())
-    False
-    """
-    none = force == 0.0
-    shown = np.abs(force[~none])
-    if np.count_nonzero(none) < _ZEROS or len(shown) <= _ZEROS:
-        return np.zeros_like(none)
-    step = float(np.median(np.abs(np.diff(shown[: _ZEROS + 2]))))
-    return np.asarray(none & bool(np.min(shown) > 2.0 * step > 0.0))
-
-
 def told_left_out(left_out: Mapping[str, int]) -> list[str]:
     """Return the sentence that says how many rows of which kind were not taken, if any."""
     counts = "; ".join(f"{count} rows of {what}" for what, count in left_out.items())
     return [f"left out: {counts}"] if counts else []
+
+
+def unread(job: Job, name: str, table: Table) -> None:
+    """Note the columns of a file that nothing was taken from."""
+    if table.aside:
+        job.console.note(f"{name}: columns not used: {', '.join(one.title for one in table.aside)}")
 
 
 def stated_in(table: Table, key: str, kind: str = "temperature") -> float | None:
@@ -284,8 +187,8 @@ class Thermocouples:
 
     ``powers`` (t,) [W] are what heaters drew, where the file says it: ``power`` all together, ``heater.0.power`` the
     first of the mold; ``left_out`` counts readings that each probe lacks, rows that are no reading, and readings that
-    stood off their neighbours and are nan; ``shares`` are titles of columns that nothing was taken from and that may
-    tell a share of the power.
+    stood off their neighbours and are nan; ``unread`` are columns that nothing was taken from and that may tell
+    the power.
     """
 
     times: Array
@@ -293,7 +196,7 @@ class Thermocouples:
     names: list[str]
     powers: Mapping[str, Array] = field(default_factory=dict)
     left_out: Mapping[str, int] = field(default_factory=dict)
-    shares: tuple[str, ...] = ()
+    unread: tuple[Heading, ...] = ()
 
 
 def read_thermocouples(
@@ -325,8 +228,7 @@ def read_thermocouples(
         layout=layout,
         gaps=True,
     )
-    if table.aside:
-        job.console.note(f"{name}: columns not used: {', '.join(table.aside)}")
+    unread(job, name, table)
     known = {probe.casefold(): probe for probe in probes}
     columns = [column for column in table.columns if column not in ("time", *rated)]
     strange = [column for column in columns if column.casefold() not in known]
@@ -379,4 +281,4 @@ def read_thermocouples(
             f"{name}: the readings begin {begun:.6g} s after the start of the run and go on for {last - begun:.6g} s; "
             "time counts from the mold's start"
         )
-    return Thermocouples(table["time"], readings, names, powers, left_out, table.shares)
+    return Thermocouples(table["time"], readings, names, powers, left_out, table.aside)
