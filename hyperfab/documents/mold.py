@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
@@ -64,14 +63,6 @@ def _places(value: object) -> object:
 
 
 Places = Annotated[list[Place], BeforeValidator(_places), OrShort()]
-
-
-class HasPlaces(Protocol):
-    """A section that acts on faces."""
-
-    @property
-    def on(self) -> list[Place] | None:
-        """Return the faces."""
 
 
 def _schedule(value: object) -> object:
@@ -296,17 +287,10 @@ class MoldDocument(HandWritten):
 
     def places(self) -> list[tuple[str, Place]]:
         """Return every place a section acts on, with the section's key."""
-        kinds: dict[str, Sequence[HasPlaces]] = {
-            "heater": self.heater,
-            "convection": self.convection,
-            "temperature": self.temperature,
-            "radiation": self.radiation,
-            "insulated": self.insulated,
-        }
-        found = [
+        found: list[tuple[str, Place]] = [
             (f"{kind}.{number}.on", place)
-            for kind, sections in kinds.items()
-            for number, section in enumerate(sections)
+            for kind in ("heater", "convection", "temperature", "radiation", "insulated")
+            for number, section in enumerate(getattr(self, kind))
             for place in section.on or []
         ]
         work = self.work_surface.on if self.work_surface is not None else []
