@@ -17,6 +17,7 @@ from hyperfab.documents.base import Document, stated_kind
 from hyperfab.documents.provenance import record, relative_name
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.output import Output, write_stdout
+from hyperfab.io.text import map_texts
 
 
 @dataclass
@@ -61,11 +62,11 @@ class Job:
         data = self.stated(document, output.target, case, **known)
         # A document behind the model is one to open: its place counts.
         places = {file.name: relative_name(file.name, output.target) for file in self.inputs.files}
-        place = _Seen({name: seen for name, seen in places.items() if name not in (seen, "-")})
+        far = {name: seen for name, seen in places.items() if name not in (seen, "-")}
         data = {
             key: value
             if key in ("setup", "files", "provenance")
-            else (place if key == "upstream" else self).named(value)
+            else (_renamed(value, far) if key == "upstream" else self.named(value))
             for key, value in data.items()
         }
         if self.like is not None:
@@ -103,7 +104,7 @@ class Job:
             for file in self.inputs.files
             if (base := os.path.basename(file.name)) != file.name
         }
-        return _Seen(seen).named(data)
+        return _renamed(data, seen)
 
     def _sum_up(self, data: dict[str, Any]) -> None:
         from hyperfab.chapters.summary import paragraph
@@ -121,20 +122,10 @@ class Job:
         return NEGATIVE_VERDICT if self.strict and self.ranges.outside and status == 0 else status
 
 
-class _Seen:
-    """Names inputs in a document by names of its own: no folder of this machine stands in it."""
-
-    def __init__(self, names: Mapping[str, str]) -> None:
-        self.names = names
-        longest = sorted(names, key=len, reverse=True)
-        self.pattern = re.compile(rf"(?<![\w./-])(?:{'|'.join(map(re.escape, longest))})(?![\w/-])")
-
-    def named(self, data: Any) -> Any:
-        """Return plain data with the names in its texts replaced."""
-        if not self.names:
-            return data
-        if isinstance(data, str):
-            return self.pattern.sub(lambda found: self.names[found[0]], data)
-        if isinstance(data, dict):
-            return {key: self.named(value) for key, value in data.items()}
-        return [self.named(value) for value in data] if isinstance(data, list) else data
+def _renamed(data: Any, names: Mapping[str, str]) -> Any:
+    """Return plain data with the inputs in its texts by other ``names``: no folder of this machine stands in it."""
+    if not names:
+        return data
+    longest = sorted(names, key=len, reverse=True)
+    pattern = re.compile(rf"(?<![\w./-])(?:{'|'.join(map(re.escape, longest))})(?![\w/-])")
+    return map_texts(data, lambda text: pattern.sub(lambda found: names[found[0]], text))

@@ -1,6 +1,9 @@
-"""Bytes to text, and where in a text something stands."""
+"""Bytes to text, where in a text something stands, and the texts of plain data."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
 
 from hyperfab.errors import InputError
 
@@ -36,3 +39,18 @@ def number_of_rows(count: int) -> str:
     ('1 row', '240 rows')
     """
     return f"{count} row{'' if count == 1 else 's'}"
+
+
+def map_texts(value: Any, change: Callable[[str], str]) -> Any:
+    """Return plain data with every text in it changed; keys stay.
+
+    >>> map_texts({"a": ["x", 1]}, str.upper)
+    {'a': ['X', 1]}
+    """
+    if isinstance(value, str):
+        return change(value)
+    if isinstance(value, dict):
+        return {key: map_texts(item, change) for key, item in value.items()}
+    if isinstance(value, list):
+        return [map_texts(item, change) for item in value]
+    return value

@@ -7,7 +7,7 @@ import functools
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
 from hyperfab.errors import HyperfabError, InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.json_io import dump_json, load_json
+from hyperfab.io.text import map_texts
 from hyperfab.io.toml_io import dump_toml, load_toml
 from hyperfab.studies.axes import Axis, Layout
 from hyperfab.studies.template import fill, names
@@ -286,21 +287,6 @@ class FileKnowledge:
 
         map_texts(loaded, note)
         return found
-
-
-def map_texts(value: Any, change: Callable[[str], str]) -> Any:
-    """Return plain data with every text in it changed; keys stay.
-
-    >>> map_texts({"a": ["x", 1]}, str.upper)
-    {'a': ['X', 1]}
-    """
-    if isinstance(value, str):
-        return change(value)
-    if isinstance(value, dict):
-        return {key: map_texts(item, change) for key, item in value.items()}
-    if isinstance(value, list):
-        return [map_texts(item, change) for item in value]
-    return value
 
 
 @functools.cache
