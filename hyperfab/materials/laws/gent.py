@@ -45,8 +45,16 @@ class Gent(Law):
         return positive(parameters, "Im")
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
-        """Return the one term of mu."""
-        return [_gent_term(sheet, theta[0])]
+        """Return the one term of mu, ``-(Im/2) ln(1 - (I1 - 3)/Im)``."""
+        Im = theta[0]
+        left = distance_to(Im, sheet.x)
+        return [
+            of_I1(
+                W=lambda: -0.5 * Im * np.log1p(-sheet.x / np.where(left == left, Im, np.nan)),
+                W1=0.5 * Im / left,
+                W11=0.5 * Im / left**2,
+            )
+        ]
 
 
 class GentGent(Gent):
@@ -60,17 +68,7 @@ class GentGent(Gent):
 
     def terms(self, sheet: Sheet, theta: Sequence[Value]) -> list[InvariantTerm]:
         """Return the terms of mu and C2."""
-        return [_gent_term(sheet, theta[0]), log_I2(sheet)]
-
-
-def _gent_term(sheet: Sheet, Im: Value) -> InvariantTerm:
-    """Return ``-(Im/2) ln(1 - (I1 - 3)/Im)``."""
-    left = distance_to(Im, sheet.x)
-    return of_I1(
-        W=lambda: -0.5 * Im * np.log1p(-sheet.x / np.where(left == left, Im, np.nan)),
-        W1=0.5 * Im / left,
-        W11=0.5 * Im / left**2,
-    )
+        return [*super().terms(sheet, theta), log_I2(sheet)]
 
 
 LAWS = (Gent(), GentGent())
