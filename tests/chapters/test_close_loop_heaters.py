@@ -110,6 +110,12 @@ def test_a_mold_without_thermostats_is_heated_by_what_the_log_tells(hf: Run, tmp
     body = "".join(",".join(f"{value:.9g}" for value in row) + "\n" for row in rows)
     (tmp_path / "log.csv").write_text("Time [s],Q1 [%],heater.1.power [W],left [degC],right [degC]\n" + body)
     (tmp_path / "bar.toml").write_text(BAR)
+    done = hf("close-loop", "bar.toml", "log.csv", "-o", "loop.json", cwd=tmp_path)
+    assert "tells heater.1.power, in place of what the mold says" in done.stderr.decode()
+    (tmp_path / "shares.csv").write_text("Time [s],Q1 [%],Q2 [%],left [degC],right [degC]\n" + body)
+    done = hf("close-loop", "bar.toml", "shares.csv", "-o", "loop.json", cwd=tmp_path)
+    offer = 'say whose, as in --columns "Q1 [%]=heater.0.power [%],Q2 [%]=heater.1.power [%]"'
+    assert offer in " ".join(done.stderr.decode().split())
     words = ["close-loop", "bar.toml", "log.csv", "--columns", "Q1=heater.0.power [%]", "--noise", f"{NOISE} K"]
     done = hf(*words, "-o", "loop.json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr.decode()

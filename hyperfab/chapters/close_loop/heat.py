@@ -70,6 +70,7 @@ def run(job: Job, given: Given) -> int:
     read = read_thermocouples(job, given.case.readings[0], probes, given.layout, rated)
     drawn = read_powers(document, read.powers)
     unread = set(ruled(document)).difference(*(one.heaters for one in drawn))
+    offered = as_power(read.unread, rated, given.layout)
     if unread:
         raise InputError(
             "close-loop does not follow a thermostat: its switching and the model's drift out of step",
@@ -77,8 +78,10 @@ def run(job: Job, given: Given) -> int:
             key=f"heater.{min(unread)}.control",
             remedy="add what the heaters drew to the thermocouples, as a column power [W] (several that --columns "
             f"calls so are added up) or of each as {own_power(min(unread))} [W], or give it as "
-            'schedule = "power.csv" in place of control' + as_power(read.unread, rated, given.layout),
+            'schedule = "power.csv" in place of control' + offered,
         )
+    if offered and not drawn:
+        job.console.note(f"{given.case.readings[0]}: the heaters are taken to draw what the mold says{offered}")
     if any(is_coarse(one.power) for one in drawn):
         job.console.warn(
             "the heaters switch about as fast as their power was read, so that some of it was between two readings: "
