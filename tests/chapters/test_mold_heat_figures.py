@@ -359,3 +359,55 @@ mesh_size = "{size}"
     assert (off > 0.005) is told
     assert any("'ball'" in text and f"{100.0 * off:.2g} % less volume" in text for text in said) is told
     assert any("less volume" in text for text in found["notes"] or []) is told
+
+
+#: A board for so short a time that heat has come 8 mm far: 2 sqrt(k t / rho c).
+BOARD = """
+format = "hyperfab.mold/1"
+[material.board]
+density = "1200 kg/m^3"
+conductivity = "0.25 W/m/K"
+specific_heat = "1000 J/kg/K"
+[[part]]
+name = "board"
+material = "board"
+box = {{ origin = ["0 mm", "0 mm", "0 mm"], size = ["30 mm", "30 mm", "60 mm"] }}
+[[probe]]
+name = "inside"
+at = ["16 mm", "14 mm", "55 mm"]
+{condition}
+on = "board.z+"
+[run]
+start = "25 degC"
+until = "60 s"
+mesh_size = "{size}"
+"""
+DEEP = 0.005 / math.sqrt(4.0 * 0.25 / 1200.0 / 1000.0 * 60.0)
+
+
+@pytest.mark.parametrize(
+    ("condition", "rise", "which"),
+    [
+        # Carslaw and Jaeger: a semi-infinite body held by 175 K hotter, heated by 5 kW/m^2, held by 75 K colder.
+        ('[[temperature]]\nvalue = "200 degC"', 175.0 * math.erfc(DEEP), "colder"),
+        (
+            '[[heater]]\nflux = "5000 W/m^2"',
+            5000.0 / 0.25 * 0.005 * (math.exp(-(DEEP**2)) / math.sqrt(math.pi) / DEEP - math.erfc(DEEP)),
+            "colder",
+        ),
+        ('[[temperature]]\nvalue = "-50 degC"', -75.0 * math.erfc(DEEP), "hotter"),
+    ],
+)
+def test_elements_too_large_for_the_time_of_a_run_are_told(tmp_path, condition, rise, which):
+    _, rough, said = heat(tmp_path, BOARD.format(condition=condition, size="20 mm"))
+    assert len(said) == 1
+    assert f"{which} at" in said[0]
+    assert rough["notes"] == said
+    # What is warned of is worse than a per cent of what the face goes through, what is advised is better.
+    allowed = 0.01 * abs(rough["hottest"]["temperature_degC"] - rough["coldest"]["temperature_degC"])
+    assert abs(rough["probes"]["inside"]["final_degC"] - 25.0 - rise) > allowed
+    size = said[0].split('"')[1]
+    assert size == "7.1 mm"
+    _, fine, said = heat(tmp_path, BOARD.format(condition=condition, size=size), "fine")
+    assert said == []
+    assert fine["probes"]["inside"]["final_degC"] == pytest.approx(25.0 + rise, abs=allowed)

@@ -226,13 +226,14 @@ class MoldBuilder:
         return f"{said}, {heat / power / 60.0:.3g} min of {power:g} W if it were even and lost nothing"
 
     @property
-    def coldest_around(self) -> float:
-        """The least temperature [degC] that anything the mold stands in, is held at or is laid on it ever has."""
+    def around(self) -> tuple[float, float]:
+        """The least and greatest temperature [degC] of all the mold stands in, is held at or has laid on it, ever."""
         tables = [
             table.y for key, table in self.functions.items() if key.endswith("ambient") or key.startswith("temperature")
         ]
         pieces = [contact.fresh for contact in self.document.contact if contact.fresh is not None]
-        return min([*(float(np.min(table)) for table in tables), *pieces], default=np.inf)
+        met = np.concatenate([*tables, pieces])
+        return float(met.min(initial=np.inf)), float(met.max(initial=-np.inf))
 
     def _renewals(self, mesh: HeatMesh) -> list[Renewal]:
         """Return when parts that come fresh are put in: each time their contact closes."""

@@ -15,7 +15,7 @@ from hyperfab.chapters.mold_heat import nearby
 from hyperfab.chapters.mold_heat.files import load_writers, write_fields
 from hyperfab.chapters.mold_heat.pace import Pace
 from hyperfab.chapters.mold_heat.problem import MoldBuilder, Problem
-from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document
+from hyperfab.chapters.mold_heat.result import IMBALANCE_ALLOWED, steady_document, transient_document, unresolved
 from hyperfab.chapters.mold_heat.tables import Tables
 from hyperfab.chapters.mold_heat.variations import SHARPER, read_variations, variations_csv, vary
 from hyperfab.chapters.uncertainty.carry import Sure, carry
@@ -91,7 +91,7 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
     for text in problem.notes:
         job.console.note(f"{mold}: {text}")
 
-    coldest = min(builder.coldest_around, float(start.min()))
+    coldest, hottest = min(builder.around[0], float(start.min())), max(builder.around[1], float(start.max()))
 
     @cache
     def reached(outside: bool) -> Array:
@@ -114,6 +114,10 @@ def run(job: Job, case: MoldCase, document: MoldDocument) -> int:
         tolerance_K=asked_run.tolerance,
     )
     least, greatest = history.states.extremes(np.arange(problem.mesh.solid))
+    if not asked_run.steady:
+        told = unresolved(document, problem, history, coldest, np.inf if document.heater else hottest)
+        job.console.warn(*told)
+        result.notes += told
     _say(job, result, document.run.target, still=greatest - least < _STILL)
     sure = Sure()
     if result.converged:
