@@ -335,6 +335,46 @@ at = ["50 mm", "40 mm", "25 mm"]
     assert document["energy"]["imbalance_relative"] < 1e-12
 
 
+@pytest.mark.parametrize("order", [("below", "above"), ("above", "below")])
+def test_a_probe_on_a_joint_tells_whose_side_it_reads(tmp_path, order):
+    """Two blocks that hardly conduct to each other: which one a probe between them reads hangs on their order."""
+    low = {"below": 0, "above": 20}
+    parts = "".join(
+        f"""
+[[part]]
+name = "{name}"
+material = "aluminium"
+start = "{100 + low[name]} degC"
+box = {{ origin = ["0 mm", "0 mm", "{low[name]} mm"], size = ["20 mm", "20 mm", "20 mm"] }}
+"""
+        for name in order
+    )
+    probes = "".join(
+        f"""
+[[probe]]
+name = "{name}"
+at = ["10 mm", "10 mm", "{z} mm"]
+"""
+        for name, z in (("joint", 20), ("inside", 19.9))
+    )
+    rest = """
+[[contact]]
+between = ["below", "above"]
+h = "1 W/m^2/K"
+[run]
+until = "1 s"
+mesh_size = "20 mm"
+"""
+    head = HEAD[: HEAD.index("[[part]]")]
+    _, found, said = heat(tmp_path, head + parts + probes + rest)
+    read = {100: "below", 120: "above"}[round(found["probes"]["joint"]["final_degC"])]
+    assert [one for one in said if "probe" in one] == [
+        f"probe 'joint' lies on the joint of 'below' and 'above', where the temperature jumps, and reads that of "
+        f"'{read}': move it into the part that is meant"
+    ]
+    assert found["probes"]["inside"]["final_degC"] == pytest.approx(100.0, abs=0.1)
+
+
 def test_each_press_cycle_cools_the_mold_by_a_fresh_sandwich(tmp_path):
     (tmp_path / "closed.csv").write_text("time [s],contact [-]\n0,0\n20,0\n21,1\n60,1\n61,0\n100,0\n101,1\n140,1\n")
     sandwich = """

@@ -15,7 +15,7 @@ from hyperfab.chapters.mold_heat.production import Pieces, pieces_of
 from hyperfab.chapters.mold_heat.tables import Tables, refuse_exposed, refuse_unknown_names
 from hyperfab.documents.base import read_document
 from hyperfab.documents.heat import HeatDocument
-from hyperfab.documents.mold import EarlierField, MoldDocument
+from hyperfab.documents.mold import EarlierField, MoldDocument, ProbeSection
 from hyperfab.errors import InputError, placed
 from hyperfab.io.inputs import Inputs
 from hyperfab.io.vtu_read import Grid
@@ -36,6 +36,8 @@ from hyperfab.thermal.tables import Table
 COARSE = 0.005
 #: A node further than this many elements outside the earlier mold has no temperature there.
 BEYOND = 1.5
+#: A place that is less of an element outside a part, and of another, is on both.
+ON_JOINT = 1e-3
 
 
 @dataclass
@@ -332,7 +334,22 @@ class MoldBuilder:
                     remedy="move it into a part",
                 )
             found[probe.name] = sensor
+            self._at_joint(probe, sensor, mesh)
         return found
+
+    def _at_joint(self, probe: ProbeSection, sensor: Array, mesh: HeatMesh) -> None:
+        """Say which side of a joint a probe reads that lies in both parts, between which the temperature jumps."""
+        names, place = [part.name for part in self.document.part], np.array([probe.at]) / 1e3
+        felt = int(np.argmax(sensor))
+        for contact in self.document.contact:
+            sides = {name: mesh.elements[mesh.parts == names.index(name)] for name in contact.between}
+            if all(Locator(mesh.points, side).find(place)[2][0] < ON_JOINT for side in sides.values()):
+                first, second = contact.between
+                read = first if felt in sides[first] else second
+                self.doubts.append(
+                    f"probe {probe.name!r} lies on the joint of {first!r} and {second!r}, where the temperature jumps, "
+                    f"and reads that of {read!r}: move it into the part that is meant"
+                )
 
 
 def start_from(grid: Grid, mesh: HeatMesh, mold: str, own: Collection[int]) -> Array:
