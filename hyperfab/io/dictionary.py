@@ -97,6 +97,10 @@ def is_known(label: str) -> bool:
     return bool(looked_up(plain(label)))
 
 
+#: A tensor's symbol, and its unit: of words beside it in round brackets none is one.
+_TENSOR = re.compile(r"[ES]_?(?:11|22|xx|yy) ?(?:\[[^\]]*\]|\((?:[-%]|[kM]?Pa|psi|N/mm\S{1,2})\))?")
+
+
 def measured(name: str, title: str) -> str:
     """Return a strain or stress by the measure that its title names beside it; nothing for one that is not read.
 
@@ -107,7 +111,19 @@ def measured(name: str, title: str) -> str:
     for measure, phrases in heading_words.MEASURES.get(name, {}).items():
         if beside & words(phrases):
             return measure
-    return name
+    symbols = {("strain", "E"): "green strain", ("stress", "S"): ""}
+    return symbols.get((name, title.strip()[0]), name) if is_tensor(title) else name
+
+
+def is_tensor(title: str) -> bool:
+    """Whether a title is the symbol of a tensor's component alone: E of Green, S of Piola or, in FE programs, Cauchy.
+
+    Programs of image correlation write Exx for engineering strains too: a proposal, nothing to be taken.
+
+    >>> is_tensor("S_11 [MPa]"), is_tensor("E11 (engineering)"), is_tensor("eyy")
+    (True, False, False)
+    """
+    return _TENSOR.fullmatch(title.strip()) is not None
 
 
 def is_filler(word: str) -> bool:

@@ -14,6 +14,7 @@ from hyperfab.io.dictionary import (
     fold,
     is_filler,
     is_known,
+    is_tensor,
     looked_up,
     measured,
     plain,
@@ -71,6 +72,8 @@ def meaning(head: Heading) -> Meaning | None:
     >>> meaning(heading("Standardkraft [N]", 0)), meaning(heading("Deformation [mm]", 0)).name
     (Meaning(name='force', axis='', compressive=False, rank=0), 'extension')
     """
+    if is_tensor(head.title):
+        return None
     label = plain(without_brackets(head.label))
     found = list(looked_up(label))
     axis = ""
