@@ -102,16 +102,12 @@ def descent(
     """Return the descent from that of several starts that leads on, each made once for a problem.
 
     The same fits are asked for again where all that changes is what readings of one specimen have in common: that has
-    no say in them where no two were led alike. Where it has, one that is only compared may begin where it ended too.
+    no say in them where no two were led alike.
     """
     names = tuple((effect, form.name) for effect, form in forms.items())
     begins = tuple(np.asarray(start, dtype=np.float64).tobytes() for start in starts)
-    metric = hash(noise.sd.tobytes()), noise.about
-    key = (names, begins, metric, iterations, coarse)
+    key = (names, begins, hash(noise.sd.tobytes()), noise.about, iterations, coarse)
     if key not in problem.descents:
-        best = problem.best.setdefault(names, {})
-        elsewhere = [one.x for other, one in best.items() if other != metric] if coarse else []
-        starts = [*starts, *elsewhere[-1:]]
         # A few steps from each start tell which of them leads on; where the constants are well known, so that a fit
         # starts from what is known of them as well, the worse half is left before.
         tries = [Descent(problem, noise, forms, start, coarse=coarse) for start in starts]
@@ -122,7 +118,6 @@ def descent(
             half = sorted(tries, key=lambda one: one.cost)[: (len(tries) + 1) // 2]
             tries = [one.advance(_FEW - _FEWER) for one in half]
         problem.descents[key] = min(tries, key=lambda one: one.cost).advance(iterations)
-        best[metric] = min(best.get(metric, problem.descents[key]), problem.descents[key], key=lambda one: one.cost)
     found: Descent = problem.descents[key]
     return found
 

@@ -221,8 +221,6 @@ class Problem(ABC):
     ridden: tuple[str, ...] = ()
     #: Fits that were made, see ``fitting.descent`` and ``fitting.fitted_misfit``.
     descents: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
-    #: Of each model the best fit in each noise.
-    best: dict[Any, dict[Any, Any]] = field(default_factory=dict, init=False, repr=False)
     misfits: dict[Any, Any] = field(default_factory=dict, init=False, repr=False)
     #: Entries of which the forms that refine them are tried too, for the first term.
     rich: ClassVar[int] = 3
