@@ -75,6 +75,10 @@ class Warm:
                 status, cpu = self._answers.readline().split()
             except TimeoutError:
                 os.kill(pid, signal.SIGKILL)
+                # A file whose socket has timed out reads no more; the next command is answered in a new one.
+                self._ours.settimeout(None)
+                self._answers = self._ours.makefile("r")
+                self._answers.readline()
                 raise subprocess.TimeoutExpired(words, timeout) from None
             finally:
                 self._ours.settimeout(None)

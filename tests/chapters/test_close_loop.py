@@ -242,7 +242,7 @@ def test_file_the_model_was_fitted_to_is_the_test_it_was_given_as(hf: Run, tmp_p
 def test_knits_differ_in_their_two_directions(hf: Run, tmp_path: Path, data_dir: Path, knit: str) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))
     files = [data_dir / knit / f"uniaxial-{way}.csv" for way in ("warp", "weft")]
-    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path)
+    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path, timeout=600)
     found = json.loads(done.stdout)
     assert found["effects"][0]["id"] == "anisotropy"
     assert found["error"]["before"]["nrmse"] > 0.1
@@ -297,7 +297,7 @@ def test_a_test_that_no_sheet_law_has_a_say_in_is_told(hf: Run, tmp_path: Path) 
 def test_elastomer_shows_rate_and_temperature(hf: Run, tmp_path: Path, data_dir: Path) -> None:
     (tmp_path / "m.json").write_text(json.dumps(MODEL))
     files = [data_dir / "vhb4905" / f"uniaxial-{t}C.csv" for t in (20, 40)]
-    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path)
+    done = hf("close-loop", "m.json", "--measured", files[0], "--measured", files[1], cwd=tmp_path, timeout=600)
     found = json.loads(done.stdout)
     assert {"rate", "thermal-softening"} <= {effect["id"] for effect in found["effects"]}
     assert found["error"]["after"]["nrmse"] < 0.05
