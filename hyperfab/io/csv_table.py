@@ -18,7 +18,7 @@ from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.csv_dialect import open_sheet, open_sheets
 from hyperfab.io.csv_numbers import beside_clock, other_unit, quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import fold, plain, reading
+from hyperfab.io.dictionary import fold, is_tensor, plain, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
 from hyperfab.io.long_log import a_column_each, called_by, moments
@@ -330,6 +330,8 @@ def _missing(sheet: CsvSheet, column: str, columns: Mapping[str, str], offered: 
 
 def _may_be(head: Heading, kind: str) -> bool:
     """Whether a column without a unit may be of a kind: unless its words say that it is another, or none."""
+    if is_tensor(head.title):
+        return kind in ("dimensionless", "stress")
     found = meaning(head)
     return found is None or (found.name != "aside" and headings.KIND.get(found.name, kind) == kind)
 

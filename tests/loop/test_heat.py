@@ -12,6 +12,7 @@ from conftest import Run
 from loop.generators import heat as truths
 
 from hyperfab.chapters.close_loop import heat
+from hyperfab.chapters.close_loop.heaters import Drawn
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.mold_heat.problem import MoldBuilder
 from hyperfab.console import Console
@@ -163,8 +164,8 @@ def test_thermostat_is_followed_by_the_power_it_drew() -> None:
     job = Job("close-loop", [], Console(True))
     times = np.linspace(0.0, 1000.0, 201)
     power = np.where((times < 300.0) | (np.sin(times / 20.0) > 0.0), 40.0, 0.0)
-    read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"], power)
-    problem = heat.pose(MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1)
+    read = heat.Thermocouples(times, np.full((201, 1), 25.0), ["T"])
+    problem = heat.pose(MoldBuilder(document, "cube.toml", job.inputs), read, [], 0.1, [Drawn((0,), power)])
     found = problem.predict(np.array([constant.value for constant in problem.own]), {})
     capacity, loss, fine = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3, np.linspace(0.0, 1000.0, 200001)
     drawn, now, expected = np.interp(fine, times, power), 25.0, []

@@ -75,7 +75,7 @@ def read(rows: int) -> bool:
     given = SimpleNamespace(layout=None, case=SimpleNamespace(readings=["a.csv"], held=[], noise=None))
     try:
         one = SimpleNamespace(values=np.zeros(rows), kind="force")
-        readings.read_files(None, given, lambda *asked: one, ("force",))  # type: ignore[arg-type,return-value]
+        readings.read_files(None, given, lambda *asked: [one], ("force",))  # type: ignore[arg-type,return-value]
     except InputError:
         return False
     return True
