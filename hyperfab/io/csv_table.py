@@ -214,9 +214,7 @@ def read_tables(
     parts = [part for one in open_sheets(data, name, fits, layout, sought) for part in specimens(one, ways=(along,))]
     labels = [entry.value if (entry := one.meta("specimen")) else one.label for one in parts]
     named = len({*labels} - {""}) == len(parts)
-    told = (
-        [f"{name} {label if named else number}" for number, label in enumerate(labels, 1)] if len(parts) > 1 else [name]
-    )
+    told = [f"{name} {label if named else number}" for number, label in enumerate(labels, 1)]
     read = partial(read_table, columns=columns, optional=optional, whole=True, layout=layout)
     return [read(one, title) for one, title in zip(parts, told if len(parts) > 1 else [name], strict=True)]
 

@@ -46,11 +46,10 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
         return sheet
     told, own = named[0], {word: probe(word) for word in dict.fromkeys(sheet.columns[named[0].index])}
     free = [one for one in called if one not in own.values()]
-    if entries := [*zip_longest((word for word, one in own.items() if one is None), free, fillvalue="aside")][
-        : sum(one is None for one in own.values())
-    ]:
+    if unknown := [word for word, one in own.items() if one is None]:
+        entries = [*zip_longest(unknown, free[: len(unknown)], fillvalue="aside")]
         raise sheet.wrong(
-            f"{entries[0][0]} is no probe of the mold; it has {', '.join(called)}",
+            f"{unknown[0]} is no probe of the mold; it has {', '.join(called)}",
             told,
             remedy=f"say which probe each is, or aside, as in {sheet.option(entries)}",
         )

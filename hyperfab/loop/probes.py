@@ -50,6 +50,7 @@ class Log:
     def __init__(self, problem: HeatProblem) -> None:
         self.problem = problem
         self._right: dict[bytes, tuple[_Crossed | None, Clock | None]] = {}
+        self._nearest: dict[bytes, _Crossed | None] = {}
 
     def explains(self, search: Search, before: Candidate) -> bool:
         """Whether the log put right leaves noise with nothing added, and no single entry does as well.
@@ -96,7 +97,7 @@ class Log:
                 "check its clock, and when it was started"
             ]
         if found.verdict == "unexplained":
-            return found, [*_begun(problem), *_alone(problem, found), *_nearer_exchanged(problem, found)]
+            return found, [*_begun(problem), *_alone(problem, found), *self._nearer_exchanged(found)]
         if "sensor-lag" not in found.after.ids:
             return found, []
         return _or_late(problem, found)
@@ -107,12 +108,29 @@ class Log:
         if key not in self._right:
             problem = self.problem
             small = structured(before.fit, problem, noise) <= SMALL
-            crossed = _crossed(problem, noise, before.fit)
+            crossed = self._exchanged(before, noise)
             if crossed is not None and not crossed.leaves_noise(problem, noise):
                 crossed = None
             clock = None if small or crossed is not None else wrong_clock(problem, noise)
             self._right[key] = crossed, clock
         return self._right[key]
+
+    def _exchanged(self, before: Candidate, noise: Noise) -> _Crossed | None:
+        """Return the two probes that, exchanged, leave least."""
+        key = noise.sd.tobytes()
+        if key not in self._nearest:
+            self._nearest[key] = _crossed(self.problem, noise, before.fit)
+        return self._nearest[key]
+
+    def _nearer_exchanged(self, found: Finding) -> Iterator[str]:
+        """Yield the two probes that, exchanged, take most of what is missed, though something else lacks as well."""
+        crossed, fit = self._exchanged(found.before, found.noise), found.after.fit
+        if crossed is not None and _rms(crossed.fit.residual) <= (1.0 - MOST) * _rms(fit.residual):
+            yield (
+                f"{crossed.one} and {crossed.other} may be exchanged, or the heaters beside them: with the columns of "
+                f"the two the other way round the model misses by {_rms(crossed.left):.3g} K with nothing added, "
+                f"{_rms(self.problem.measured - fit.predicted):.3g} K as they are; check which is where"
+            )
 
     def _is_better(self, right: Fit, found: Finding) -> bool:
         """Whether a log put right is likelier than what was found, or nothing was."""
@@ -166,17 +184,6 @@ class _Crossed:
     def leaves_noise(self, problem: HeatProblem, noise: Noise) -> bool:
         """Whether noise is left, with the constants where they may be."""
         return not is_strained(problem, self.fit) and structured(self.fit, problem, noise) <= SMALL
-
-
-def _nearer_exchanged(problem: HeatProblem, found: Finding) -> Iterator[str]:
-    """Yield the two probes that, exchanged, take most of what is missed, though something else is lacking as well."""
-    crossed, missed = _crossed(problem, found.noise, found.before.fit), _rms(found.after.fit.residual)
-    if crossed is not None and _rms(crossed.fit.residual) <= (1.0 - MOST) * missed:
-        yield (
-            f"{crossed.one} and {crossed.other} may be exchanged, or the heaters beside them: with the columns of the "
-            f"two the other way round the model misses by {_rms(crossed.left):.3g} K with nothing added, "
-            f"{_rms(problem.measured - found.after.fit.predicted):.3g} K as they are; check which is where"
-        )
 
 
 def _crossed(problem: HeatProblem, noise: Noise, start: Fit) -> _Crossed | None:

@@ -146,9 +146,9 @@ def pushed(job: Job, table: Table, along: str, steps: Steps = AS_READ) -> Table:
     """Return forces without those behind a burst, on the way back and over again, which the table counts.
 
     Force and way are turned round where the machine counts them against the push, which is told, and counted from where
-    the ``steps`` say. Warned of is a force
-    that falls for good while the machine goes on, and one that is another on the way back or when it was pushed again:
-    no sheet or sandwich of a model does either. The rows are as the machine wrote them.
+    the ``steps`` say. Warned of is a force that falls for good while the machine goes on, and one that is another on
+    the way back or when it was pushed again: no sheet or sandwich of a model does either. The rows are as the machine
+    wrote them.
     """
     table = _from_touch(_turned(job, table, along), along, steps)
     depth, force = table[along], table["force"]
