@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from hyperfab.arrays import Array
 from hyperfab.io import heading_words
 from hyperfab.io.cells import is_number, plain_values
 from hyperfab.io.csv_numbers import numbers, settle_decimal
@@ -50,7 +51,7 @@ _STATES = (
 #: An angle beside words of directions.
 _ANGLED = re.compile(r"\d{1,3} ?(?:deg|°)?")
 #: How near, as a share of the way, each specimen of a table begins to where the first did, and the fewest rows of one.
-AT_REST, FEWEST_ROWS = 0.05, 3
+_AT_REST, FEWEST_ROWS = 0.05, 3
 #: A word and a specimen's number behind it.
 _NUMBERED = re.compile(r"(.*[^\W\d])[ _-]?\d{1,2}")
 #: Names of letters of which mechanics numbers the axes: sigma 1, sigma 2, sigma 3.
@@ -198,6 +199,20 @@ def roles(sheet: CsvSheet) -> Roles:
     return Roles(_axes(sheet, columns), tuple(aside))
 
 
+def begun_anew(cells: Sequence[str], way: Array) -> list[int]:
+    """Return the rows, but the first, at which words of a column begin that may name specimens: each fills one run of
+    rows, at whose start the ``way`` (n,) is near where that of the first began. Empty where they do not.
+
+    >>> begun_anew([*"aaabbb"], np.array([0.0, 1.0, 2.0, 0.0, 1.0, 2.0])), begun_anew([*"aaabbb"], np.arange(6.0))
+    ([3], [])
+    """
+    starts = [row for row in range(1, len(cells)) if cells[row] != cells[row - 1]]
+    if not starts or len(set(cells)) != len(starts) + 1 or any(not c or is_number(c) for c in cells):
+        return []
+    near = np.abs(way[starts] - way[0]) <= _AT_REST * np.ptp(way)
+    return starts if near.all() and min(np.diff([0, *starts, len(cells)])) >= FEWEST_ROWS else []
+
+
 def with_names(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) -> Roles:
     """Return the roles with a column of words that nobody knows, if it names the specimens that stand in one table.
 
@@ -212,13 +227,10 @@ def with_names(sheet: CsvSheet, columns: Roles, decimal: str, notes: list[str]) 
     best: tuple[int, Heading] | None = None
     for head in sheet.headings:
         cells = sheet.columns[head.index]
-        starts = [row for row in range(1, len(cells)) if cells[row] != cells[row - 1]]
         free = head.title in columns.aside and sheet.layout.choice(head, sheet.headings) is None
-        if not free or not starts or len(set(cells)) != len(starts) + 1 or any(not c or is_number(c) for c in cells):
-            continue
+        starts = begun_anew(cells, way) if free else []
         anew = clock is None or (len(clock) == len(cells) and all(clock[row] < clock[row - 1] for row in starts))
-        near = np.abs(way[starts] - way[0]) <= AT_REST * np.ptp(way)
-        if anew and near.all() and min(np.diff([0, *starts, len(cells)])) >= FEWEST_ROWS:
+        if starts and anew:
             best = max(best or (0, head), (len(starts), head), key=lambda one: one[0])
     if best is None:
         return columns

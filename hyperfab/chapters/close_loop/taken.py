@@ -12,10 +12,9 @@ from hyperfab.arrays import Array, Flags
 from hyperfab.chapters.fit.prepare import Steps, broken, stated
 from hyperfab.chapters.job import Job
 from hyperfab.errors import InputError, UsageError
-from hyperfab.io.cells import is_number
 from hyperfab.io.csv_table import Table
 from hyperfab.io.headings import Heading, is_of, meaning
-from hyperfab.io.roles import AT_REST, FEWEST_ROWS
+from hyperfab.io.roles import FEWEST_ROWS, begun_anew
 from hyperfab.numerics.doubt import Doubt
 from hyperfab.numerics.hygiene import look, sides, turns
 
@@ -84,14 +83,11 @@ def specimens(table: Table, along: str) -> list[Table]:
             remedy=f"leave out which are not of the push, as in {table.option([(one, 'aside') for one in forces])}",
         )
     for head, cells in zip(table.aside, table.cells, strict=True):
-        starts = [row for row in range(1, len(cells)) if cells[row] != cells[row - 1]]
         told = _holds(head)
         if told != "specimen":
-            alone = starts and len(set(cells)) == len(starts) + 1 and not any(not c or is_number(c) for c in cells)
-            if told is not None or not alone or min(np.diff([0, *starts, len(cells)])) < FEWEST_ROWS:
-                continue
-            far = [float(np.ptp(part)) for part in np.split(way, starts)]  # no parts of one push: preload, push, hold
-            if np.any(np.abs(way[starts] - way[0]) > AT_REST * np.ptp(way)) or min(far) < _FAR * max(far):
+            starts = begun_anew(cells, way) if told is None else []
+            far = [float(np.ptp(part)) for part in np.split(way, starts)]
+            if not starts or min(far) < _FAR * max(far):  # parts of one push: preload, push, hold
                 continue
         parts = _parted(table, head, cells)
         if len(parts) > 1 and min(len(one.lines) for one in parts) >= FEWEST_ROWS:
