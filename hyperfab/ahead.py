@@ -28,7 +28,7 @@ def all_kernels() -> dict[str, Any]:
     for path in sorted(root.rglob("*.py")):
         if b"\nfrom hyperfab.numerics.kernels import" in path.read_bytes():
             import_module(".".join(("hyperfab", *path.relative_to(root).with_suffix("").parts)))
-    return {name: made for name, made in sorted(KERNELS.items()) if name.startswith("hyperfab.")}
+    return {name: one for name, one in sorted(KERNELS.items()) if name.startswith("hyperfab.")}
 
 
 def listed() -> dict[str, list[list[Any]]]:
@@ -82,13 +82,13 @@ def read(text: Any) -> Any:
 
 def compile_some(names: list[str]) -> int:
     """Compile the listed forms of some kernels into the package, and return how many there are."""
-    from hyperfab.numerics import compiling
+    from hyperfab.numerics import kernels
 
-    compiling.building = True
-    kernels, count = all_kernels(), 0
+    kernels.building = True
+    every, count = all_kernels(), 0
     for name in names:
         for kinds in listed()[name]:
-            kernels[name].compile(tuple(read(kind) for kind in kinds))
+            every[name].made.compile(tuple(read(kind) for kind in kinds))
             count += 1
     return count
 
@@ -98,7 +98,7 @@ def compile_all() -> int:
 
     What is in the folder already and holds is left.
     """
-    from hyperfab.numerics.kernels import AHEAD
+    from hyperfab.numerics.jit import AHEAD
     from hyperfab.numerics.threads import threads
 
     AHEAD.mkdir(exist_ok=True)
@@ -114,10 +114,10 @@ def add_to_list() -> None:
     """Add all that this machine has compiled to the list; forms with another number of arguments go."""
     known = listed() if LIST.exists() else {}
     have: dict[str, list[list[Any]]] = {}
-    for name, made in all_kernels().items():
-        takes = made.py_func.__code__.co_argcount
+    for name, one in all_kernels().items():
+        takes = one.function.__code__.co_argcount
         forms = {json.dumps(form): form for form in known.get(name, []) if len(form) == takes}
-        for kinds in made._cache.signatures():
+        for kinds in one.made._cache.signatures():
             form = [written(kind) for kind in kinds]
             forms.setdefault(json.dumps(form), form)
         have[name] = [forms[key] for key in sorted(forms)]

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from hyperfab.ahead import all_kernels, listed, read, written
-from hyperfab.numerics import kernels
+from hyperfab.numerics import jit, kernels
 from trials.kernels import FILES, LINES, ends
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -50,7 +50,7 @@ def test_every_kernel_is_listed_with_its_types() -> None:
     assert [name for name, forms in have.items() if not forms] == []
     for name, made in all_kernels().items():
         for form in have[name]:
-            assert len(form) == made.py_func.__code__.co_argcount, f"{name}: make kernels"
+            assert len(form) == made.function.__code__.co_argcount, f"{name}: make kernels"
             assert [written(read(kind)) for kind in form] == form
 
 
@@ -60,9 +60,9 @@ def test_every_kernel_that_is_listed_is_found_by_a_build(tmp_path: Path) -> None
     assert done.stdout.split() == sorted(listed())
 
 
-@pytest.mark.skipif(not kernels.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev")
+@pytest.mark.skipif(not jit.AHEAD.is_dir(), reason="the kernels of the build are not here: make .venv/dev")
 def test_the_build_has_compiled_every_kernel_that_is_listed() -> None:
-    compiled = {path.name.partition(".py3")[0] for path in kernels.AHEAD.glob("*.nbi")}
+    compiled = {path.name.partition(".py3")[0] for path in jit.AHEAD.glob("*.nbi")}
     assert [name for name in listed() if name.removeprefix("hyperfab.") not in compiled] == []
 
 
@@ -128,7 +128,7 @@ def test_so_it_is_when_what_it_calls_stands_below_it(tmp_path: Path) -> None:
 
 def test_a_kernel_is_known_by_its_code_alone(tmp_path: Path) -> None:
     (tmp_path / "called.py").write_text(CALLED.format(factor=1.0, added=1.0))
-    says = "from uses import caller; print(caller._cache.digest)"
+    says = "from uses import caller; print(caller.made._cache.digest)"
     digests = []
     for text in (USES, "\n\n# moved\n" + USES, USES.replace("FACTOR *", "FACTOR +")):
         (tmp_path / "uses.py").write_text(text)
@@ -150,7 +150,7 @@ def test_a_kernel_is_known_by_what_it_puts_in_as_machine_code() -> None:
         def uses(x: float) -> float:
             return twice(x)  # noqa: B023
 
-        digests.append(kernels.kernel(uses)._cache.digest)
+        digests.append(kernels.kernel(uses).made._cache.digest)
     assert digests[0] != digests[1]
 
 
@@ -167,13 +167,13 @@ def test_a_kernel_that_names_what_nobody_watches_is_refused() -> None:
 BUILDS = """
 import sys
 from pathlib import Path
-from hyperfab.numerics import compiling, kernels
-kernels.AHEAD = Path("ahead")
-kernels.AHEAD.mkdir(exist_ok=True)
-compiling.building = sys.argv[1] == "build"
-compiling.announced_by(lambda: print("compiling"))
+from hyperfab.numerics import jit, kernels
+jit.AHEAD = Path("ahead")
+jit.AHEAD.mkdir(exist_ok=True)
+kernels.building = sys.argv[1] == "build"
+kernels.announced_by(lambda: print("compiling"))
 from hyperfab.ahead import compile_some
-if compiling.building:
+if kernels.building:
     compile_some(["hyperfab.cloth.linear._products"])
 else:
     import numpy as np
@@ -222,7 +222,7 @@ for line in json.loads(sys.argv[1]):
     except SystemExit as end:
         status = int(end.code or 0)
     called = {(name, json.dumps([written(kind) for kind in kinds]))
-              for name, made in kernels.items() for kinds in made.signatures}
+              for name, made in kernels.items() for kinds in made.made.signatures}
     missing = [one for one in sorted(called - seen) if json.loads(one[1]) not in have.get(one[0], [])]
     seen |= called
     print("\\n" + json.dumps([line, status, missing]), flush=True)

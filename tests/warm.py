@@ -118,7 +118,8 @@ def _compiled() -> None:
     """Load the kernels that are kept compiled; one that is not, is compiled where it is called."""
     from hyperfab.ahead import all_kernels, listed, read
 
-    for name, made in all_kernels().items():
+    for name, one in all_kernels().items():
+        made = one.made
         for kinds in listed()[name] if hasattr(made, "targetctx") else ():
             signature = tuple(read(kind) for kind in kinds)
             kept = made._cache.load_overload(signature, made.targetctx)

@@ -17,7 +17,7 @@ from hyperfab import __version__
 from hyperfab.cases.registry import case_class
 from hyperfab.console import Console, run_guarded
 from hyperfab.errors import OutputError, UsageError
-from hyperfab.numerics import compiling
+from hyperfab.numerics import kernels
 
 #: What the parser says of a type behind the name of an argument; the help says it in words.
 _TYPES = re.compile(r" <(?:str|int|float|list\[)[^>]*>")
@@ -215,7 +215,7 @@ def run_case(context: typer.Context, cls: type[Case]) -> None:
             strict=bool(context.params["strict"]),
             sums_up=_sums_up(context),
         )
-        compiling.announced_by(lambda: job.console.passing(_COMPILING))
+        kernels.announced_by(lambda: job.console.passing(_COMPILING))
         status = run(job, asked(job, cls, given, context.params.get("like")))
         job.console.count()
         return status

@@ -72,7 +72,7 @@ LYCRA = [str(ROOT / f"specimens/lycra/{way}-23C.csv") for way in ("warp", "weft"
     ("words", "spared"),
     [
         (["fit", *LYCRA, "--model", "yeoh-3"], {"scipy.optimize", "scipy.stats", "numba", "pandas"}),
-        (["close-loop", "fabric.json", *LYCRA], {"scipy.optimize", "scipy.spatial", "scipy.stats", "pandas"}),
+        (["close-loop", "fabric.json", *LYCRA], {"scipy.optimize", "scipy.spatial", "scipy.stats", "numba", "pandas"}),
     ],
 )
 def test_what_takes_long_to_load_is_spared_where_nothing_needs_it(
