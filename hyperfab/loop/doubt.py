@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import chdtrc
 
 from hyperfab.loop.fitting import fitted_misfit, stepped_misfits
-from hyperfab.loop.judge import Candidate
+from hyperfab.loop.judge import Candidate, correlation_time
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.replicates import CLOTH_COUNTS, replicates
 from hyperfab.loop.search import Search
@@ -128,7 +128,8 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     # how stiff specimens are: each tells that by itself.
     least = fitted_misfit(problem, search.noise.among(beside.fit.predicted, scatters[-1]), beside.fit)
     _, which, count = np.unique(problem.channel, return_inverse=True, return_counts=True)
-    level = np.maximum(least / count, 1.0)
+    # As many rows as are missed alike count as one: else specimens would scatter by what makes up for a wrong law.
+    level = np.maximum(least / count, 1.0) * correlation_time(beside.fit.residual, problem.curves)
     louder = replace(search.noise, sd=search.noise.sd * np.sqrt(level[which]))
 
     def metrics(one: Candidate) -> list[Noise]:

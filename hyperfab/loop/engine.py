@@ -111,9 +111,13 @@ def _closed(
     again: bool,
     apart: Apart,
     put_right: Callable[[Search, Candidate], bool] = lambda search, before: False,
+    earlier: Search | None = None,
 ) -> Finding:
-    """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
-    search = Search(problem, level, tick)
+    """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show.
+
+    ``earlier`` is the search under another noise.
+    """
+    search = Search(problem, level, tick, earlier if earlier is not None and earlier.noise.is_near(level) else None)
     before = search.base()
     if not np.isfinite(before.fit.cost):
         raise NotConverged(
@@ -130,7 +134,7 @@ def _closed(
 
     def under(other: Noise) -> Finding:
         """Return what is found where noise is another, in all judgements."""
-        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart)
+        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart, earlier=search)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""

@@ -14,6 +14,8 @@ from hyperfab.loop.thresholds import TOLD
 
 #: A common cause is left out along what it widens the noise by less than half of this, as a share.
 _FELT = 1e-3
+#: How many times as much specimens scatter at most where that is nearly the same.
+_NEARLY = 1.5
 #: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
 Shape = tuple[Ints, Array, float]
 
@@ -84,6 +86,12 @@ class Noise:
         scatter, 0 where no two were led alike."""
         kinds = ((self.gain_sd, self.alike), (self.across_sd, self.alike_across))
         return tuple(sd if _several(alike) else 0.0 for sd, alike in kinds)
+
+    def is_near(self, other: Noise) -> bool:
+        """Whether readings are as loud under another noise, and specimens scatter by nearly as much."""
+        pairs = ((self.gain_sd, other.gain_sd), (self.across_sd, other.across_sd))
+        alike = all(max(pair) <= _NEARLY * min(pair) for pair in pairs)
+        return alike and np.array_equal(self.sd, other.sd) and np.array_equal(self.correlation, other.correlation)
 
     def among(self, predicted: Array, gain_sd: float) -> Noise:
         """Return the noise of specimens that scatter so much in proportion to a prediction.

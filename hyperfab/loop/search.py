@@ -29,11 +29,12 @@ _ENTRIES, _FORMS, _RICH = 6, 3, 3
 
 @dataclass
 class Search:
-    """Fits models with terms, each once."""
+    """Fits models with terms, each once; those of an ``earlier`` search under nearly this noise go on from there."""
 
     problem: Problem
     noise: Noise
     tick: Callable[[str], None] = lambda text: None
+    earlier: Search | None = None
     _fits: dict[tuple, Fit] = field(default_factory=dict)
     _states: dict[tuple, Candidate] = field(default_factory=dict)
     _own_optimum: Candidate | None = None
@@ -280,9 +281,13 @@ class Search:
     def _lowest_of(self, forms: Mapping[str, Form], new: Form, ways: Sequence[Sequence[Array]]) -> Fit:
         """Return the fit of least cost: of each way's starts the one that leads on, after a few steps, to its end.
 
+        Of a model that was fitted under nearly this noise alone from there.
         Of all starts where the ``new`` form takes over from the law: there a few steps do not tell.
         """
-        if new.takes_over:
+        made = None if self.earlier is None else self.earlier._fits.get(_key(forms))
+        if made is not None:
+            ways = [[np.concatenate([made.x[: made.own], *(made.x[made.place(name)] for name in forms)])]]
+        elif new.takes_over:
             ways = [[start] for way in ways for start in way]
         tries = [descent(self.problem, self.noise, forms, way, coarse=True) for way in ways]
         return min(tries, key=lambda one: one.cost).fit(self.noise)
