@@ -200,7 +200,8 @@ class ReducedMold:
             np.stack([matrix[self.materials == kind].sum(axis=0) for kind in of])
             for matrix in (self.mass, self.stiffness)
         )
-        means, changes = self.means[: len(of)], self.changes[:, : len(of)]
+        # Whole arrays, as the build has compiled the steps for: of a slice they would be compiled anew.
+        means, changes = self.means[: len(of)], self.changes[:, : len(of)].copy()
         return replace(self, mass=mass, stiffness=stiffness, means=means, changes=changes), of
 
     @property

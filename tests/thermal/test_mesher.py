@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from types import SimpleNamespace
 
@@ -9,11 +10,11 @@ import numpy as np
 import pytest
 
 from hyperfab.errors import InputError, NotConverged
-from hyperfab.thermal import netgen_process
+from hyperfab.thermal import netgen_process, netgen_worker
 from hyperfab.thermal.faces import Faces
 from hyperfab.thermal.geometry import Body, Box, Cylinder, Ellipsoid, Geometry, Patch
 from hyperfab.thermal.mesh import build_mesh
-from hyperfab.thermal.mesher import begin_mesh, expected_tetrahedra, make_mesh
+from hyperfab.thermal.mesher import begin_mesh, expected_tetrahedra, make_mesh, mesh_job
 
 
 def meshed(geometry, size):
@@ -106,6 +107,30 @@ def test_elliptic_cylinders_take_their_semi_axes_in_cyclic_order(axis, low, high
     raw = make_mesh(Geometry((Body("rod", (Cylinder((0.0, 0.0, 0.0), axis, 20.0, (3.0, 5.0)),)),)), 3.0)
     np.testing.assert_allclose(raw.points.min(axis=0), low, atol=0.1)
     np.testing.assert_allclose(raw.points.max(axis=0), high, atol=0.1)
+
+
+def test_no_thread_waits_for_another_and_the_mesh_is_the_same(monkeypatch):
+    # Netgen's threads wait without sleep: where something else runs too, most of the time would be theirs.
+    import netgen.occ as occ
+
+    given, made, told = [], occ.OCCGeometry.GenerateMesh, lambda arrays: None
+
+    def one(geometry, **parameters):
+        given.append(parameters)
+        return made(geometry, **parameters)
+
+    def several(geometry, **parameters):
+        return made(geometry, **parameters | {"parallel_meshing": True})
+
+    body = Body("block", (Box((0.0, 0.0, 0.0), (30.0, 20.0, 10.0)), Cylinder((15.0, 10.0, 5.0), "z", 10.0, (5.0, 4.0))))
+    job = json.loads(mesh_job(Geometry((body,)), 5.0))
+    meshes = []
+    for how in (one, several):
+        monkeypatch.setattr(occ.OCCGeometry, "GenerateMesh", how)
+        meshes.append(netgen_worker.mesh(job, told))
+    assert [parameters["parallel_meshing"] for parameters in given] == [False]
+    for name, values in meshes[0].items():
+        np.testing.assert_array_equal(values, meshes[1][name], err_msg=name)
 
 
 def test_a_mesher_that_takes_too_long_is_stopped():

@@ -6,7 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import typeof
 
+from hyperfab.ahead import listed, written
+from hyperfab.thermal import reduced as reduction
 from hyperfab.thermal.condition import Contact, Convection, Heater
 from hyperfab.thermal.course import Course
 from hyperfab.thermal.facet_operator import FacetOperator
@@ -14,6 +17,7 @@ from hyperfab.thermal.medium import ThermalMaterial
 from hyperfab.thermal.mesh import split_contacts
 from hyperfab.thermal.model import HeatModel
 from hyperfab.thermal.reduced import reduce
+from hyperfab.thermal.reduced_steps import march
 from hyperfab.thermal.sensors import lagging
 from hyperfab.thermal.settings import patch
 from hyperfab.thermal.tables import Table
@@ -72,6 +76,19 @@ def test_a_number_in_front_of_a_matrix_is_that_of_the_whole(block, changed, biot
     else:
         # Half the capacity: as twice the time, by the one-term series; tan z = Bi/z at z = 0.8603.
         assert shown[0] == pytest.approx(0.533859401409 * np.exp(-(0.860333589**2)), abs=2e-3)
+
+
+def test_the_steps_are_taken_by_the_kernel_of_the_build(block, monkeypatch):
+    # Called with an array of another order in memory it is compiled anew: a quarter of a minute.
+    called = []
+    monkeypatch.setattr(reduction, "march", lambda *of: called.append(of) or march(*of))
+    model = block((1.0, 0.1, 0.1), (24, 1, 1)).film("x+", 0.1).model()
+    mold = reduce(model, np.eye(1, model.size), np.ones(model.size), 1.0, None, zones=4)
+    for changed in ({}, {"capacity_per_K": 0.1}):
+        mold.run(np.array([0.0, 1.0]), plain(mold, **changed), 2)
+    kinds = [[written(typeof(one)) for one in of] for of in called]
+    assert len(kinds) == 2
+    assert [one for one in kinds if one not in listed()["hyperfab.thermal.reduced_steps.march"]] == []
 
 
 def test_slab_under_a_flux(block):
