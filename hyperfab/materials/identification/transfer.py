@@ -54,13 +54,15 @@ def transfer_risk(fit: Fit, fitted: str) -> float:
     stress turns negative.
     """
     x = np.linspace(0.02, 1.0, _LEVELS) * fit.problem.rows.extent.x
-    found = _log_ratios(fit.material, fitted, x)
+    # Of every law and all its neighbours the same: to look for them each time would be half of a whole fit.
+    at = {mode: stretch_at(mode, x) for mode in MODES}
+    found = _log_ratios(fit.material, fitted, at)
     if not np.isfinite(found).all():
         return float("inf")
-    rise = _rise_of_second_invariant(fit.material, fitted, x)
+    rise = _rise_of_second_invariant(fit.material, fitted, at)
     # Pressed, a specimen stretches both ways across: with a pull as far that tells whether it is such a rubber.
     untold = np.tile(np.maximum(1.0 - _pressed_and_pulled(fit) / x, _BETWEEN), len(MODES) - 1)
-    parts = (untold * (found - SHARE * rise), SHARE_SD * rise, _spread(fit, fitted, x))
+    parts = (untold * (found - SHARE * rise), SHARE_SD * rise, _spread(fit, fitted, at))
     with np.errstate(over="ignore"):
         return float(np.sqrt(sum(np.mean(part**2) for part in parts)))
 
@@ -72,19 +74,21 @@ def _pressed_and_pulled(fit: Fit) -> float:
     return min(float(x[rows.uniaxial & side].max(initial=0.0)) for side in (rows.stretch < 1.0, rows.stretch > 1.0))
 
 
-def _log_ratios(material: Material, fitted: str, x: Array) -> Array:
-    """Return the logarithm of the secant modulus of each other mode over that of the fitted one, at equal I1."""
+def _log_ratios(material: Material, fitted: str, at: dict[str, Array]) -> Array:
+    """Return the logarithm of the secant modulus of each other mode over that of the fitted one, at equal I1.
+
+    ``at`` are the stretches of each mode at these I1.
+    """
     with np.errstate(all="ignore"):
-        base = np.log(_secant(material, fitted, x))
-        return np.concatenate([np.log(_secant(material, mode, x)) - base for mode in MODES if mode != fitted])
+        base = np.log(_secant(material, fitted, at[fitted]))
+        return np.concatenate([np.log(_secant(material, mode, at[mode])) - base for mode in MODES if mode != fitted])
 
 
-def _secant(material: Material, mode: str, x: Array) -> Array:
-    lam = stretch_at(mode, x)
+def _secant(material: Material, mode: str, lam: Array) -> Array:
     return np.asarray(nominal_stress(material, mode, lam) / (lam - lam ** -_POWER[mode]))
 
 
-def _rise_of_second_invariant(material: Material, fitted: str, x: Array) -> Array:
+def _rise_of_second_invariant(material: Material, fitted: str, at: dict[str, Array]) -> Array:
     """Return by how much the logarithms of the ratios rise for each part of the stiffness at rest that is I2's.
 
     The term C2 ln(I2/3) has the secant 2 C2 f/I2, f the squared in-plane stretch across the load; what it has in the
@@ -92,16 +96,16 @@ def _rise_of_second_invariant(material: Material, fitted: str, x: Array) -> Arra
     """
 
     def of(mode: str) -> Array:
-        lam = stretch_at(mode, x)
+        lam = at[mode]
         sheet = Sheet.of(lam, second_stretch(mode, lam))
         return np.asarray(3.0 / (3.0 + sheet.y) * sheet.l2**2)
 
-    secant = _secant(material, fitted, x)
+    secant = _secant(material, fitted, at[fitted])
     over = secant[0] / secant
     return np.concatenate([(of(mode) - of(fitted)) * over for mode in MODES if mode != fitted])
 
 
-def _spread(fit: Fit, fitted: str, x: Array) -> Array:
+def _spread(fit: Fit, fitted: str, at: dict[str, Array]) -> Array:
     """Standard deviation of the logarithms of the ratios, from that of the constants, linearised."""
     J = fit.jacobian
     rows, count = J.shape
@@ -114,11 +118,11 @@ def _spread(fit: Fit, fitted: str, x: Array) -> Array:
     # The constants of the first group of rows, and those that all share.
     linear = len(fit.problem.free)
     own = [*range(linear), *range(count - (len(size) - linear), count)]
-    total = np.zeros(2 * len(x))
+    total = np.zeros(2 * len(at[fitted]))
     for value, direction in zip(s, Vt, strict=True):
         move = (direction / length)[own]
         step = _SMALL / max(np.abs(move / size).max(), 1e-300)
-        up, down = (_log_ratios(_moved(fit, sign * step * move), fitted, x) for sign in (1.0, -1.0))
+        up, down = (_log_ratios(_moved(fit, sign * step * move), fitted, at) for sign in (1.0, -1.0))
         total += ((up - down) / (2.0 * step) * noise / max(value, 1e-12 * s[0])) ** 2
     return np.sqrt(np.nan_to_num(total, nan=np.inf))
 
