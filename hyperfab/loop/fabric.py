@@ -15,8 +15,9 @@ from hyperfab.loop.catalogue.fabric import DataContext, entries
 from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_constants import constants_of
+from hyperfab.loop.fabric_context import context_of
 from hyperfab.loop.fabric_menu import menu
-from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, setups_of, smooth_of, states_of
+from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, smooth_of, states_of
 from hyperfab.loop.near import predicted_near
 from hyperfab.loop.problem import HAS_IT, Constant, Extra, Form, Problem
 from hyperfab.loop.thresholds import MACHINE
@@ -350,12 +351,9 @@ def fabric_problem(
     fabric = Fabric(law, path, reference, speed, hang)
     way, near = cornered(path)
     whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
-    setups = setups_of(path, tests, sized=False, ridden=ridden)
-    replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
     both = weft is not None
     turns = both or "anisotropy" in held
-    marked = all(test.on_specimen for test in tests)
-    context = DataContext(law, tuple(warp), path, stress, both, len(rows) > 0, replicated, turns, marked)
+    context = context_of(law, warp, path, tests, stress, ridden, both=both, turns=turns)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
     if all(test.stress_sd is not None for test in tests):

@@ -27,6 +27,7 @@ from hyperfab.io.output import Output
 from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
+from hyperfab.loop.fabric_context import bare_effects
 from hyperfab.loop.gauges import misread
 from hyperfab.loop.no_worse import none_apart
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE
@@ -142,8 +143,7 @@ def pose(
         weft = [float(weft_document.parameters[key]) for key in law.names]
     held = {}
     if document.effects:
-        bare = fabric_problem(law, constants, tests.tests)
-        held = held_terms(document, name, {one.id: one for one in bare.effects}, bare.fabric.path.knows_time)
+        held = held_terms(document, name, *bare_effects(law, constants, tests.tests))
     known = set(law.names) | {f"warp {key}" for key in law.names} | {f"weft {key}" for key in law.names}
     known |= {constant.name for _, constants_ in held.values() for constant in constants_}
     check_fixed(fix, sorted(known), "model")
