@@ -8,17 +8,16 @@ import json
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from conftest import Run
 from loop.generators import fabric as truths
+from schemas import follows_schema
 
 from hyperfab.chapters.close_loop.domain import How
 from hyperfab.chapters.close_loop.measured_tests import read_measured
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
-from hyperfab.documents.base import schema
 from hyperfab.io.layout import PLAIN
 from hyperfab.materials.modes import OF_A_SHEET
 
@@ -101,7 +100,7 @@ def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr.decode()
     assert done.stdout == b""
     document = json.loads((tmp_path / "loop.json").read_text())
-    jsonschema.validate(document, schema("loop"))
+    follows_schema(document, "loop")
     assert document["verdict"] == "effect"
     assert [effect["id"] for effect in document["effects"]] == ["thermal-softening"]
     assert document["error"]["before"]["chi2_reduced"] > 1.5
@@ -109,7 +108,7 @@ def test_undeclared_effect_is_found_and_added(hf: Run, tmp_path: Path) -> None:
     assert document["held_out"]["after"]["rms"] < 1.2 * document["held_out"]["noise"]["rms"]
     assert set(document["files"]) == {"loop.csv", "loop.model.json", "loop.png"}
     extended = json.loads((tmp_path / document["model"]).read_text())
-    jsonschema.validate(extended, schema("material"))
+    follows_schema(extended, "material")
     assert len(extended["temperatures"]) >= 2
     # As every document it says what was run, and on what.
     assert (extended["setup"], extended["provenance"]) == (document["setup"], document["provenance"])
@@ -164,7 +163,7 @@ def test_data_set_apart_are_predicted(hf: Run, tmp_path: Path) -> None:
 def test_every_entry_is_told_also_where_the_data_cannot_show_it(hf: Run, tmp_path: Path) -> None:
     arguments = shop(tmp_path, ())[:4]
     found = json.loads(hf(*arguments, cwd=tmp_path).stdout)
-    jsonschema.validate(found, schema("loop"))
+    follows_schema(found, "loop")
     rows = {one["id"]: one for one in found["candidates"]}
     assert set(rows) == FABRIC_IDS
     assert all({"score", "delta_bic", "confounded_with", "shown_by"} <= one.keys() for one in rows.values())

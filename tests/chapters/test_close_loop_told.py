@@ -9,10 +9,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from conftest import Run
+from schemas import follows_schema
 
 from hyperfab.chapters.close_loop import names_of
 from hyperfab.chapters.close_loop.describe import _candidates
@@ -29,7 +29,6 @@ from hyperfab.chapters.close_loop.words import (
 )
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
-from hyperfab.documents.base import schema
 from hyperfab.documents.loop import AddedEffect, Errors, Evidence, Misfit
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError, UsageError
@@ -89,7 +88,7 @@ def closed(
     assert done.returncode == status if status is not None else done.returncode in (0, 1), done.stderr.decode()
     document = json.loads(done.stdout) if done.stdout.strip() else {}
     if document:
-        jsonschema.validate(document, schema("loop"))
+        follows_schema(document, "loop")
     return document, done.stderr.decode()
 
 
@@ -355,7 +354,7 @@ def test_terms_beside_which_something_stays_unexplained_are_marked(hf: Run, mode
     assert "thermal-softening" in names
     assert all(effect["tentative"] for effect in found["effects"])
     written = json.loads((model / "loop.model.json").read_text())
-    jsonschema.validate(written, schema("material"))
+    follows_schema(written, "material")
     assert [one["id"] for one in written["effects"] if one["tentative"]] == names
     assert f"{', '.join(names)} {'are' if len(names) > 1 else 'is'} the nearest" in told
     assert any("stays unexplained" in one for one in found["warnings"])

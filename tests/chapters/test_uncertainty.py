@@ -9,12 +9,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 import trimesh
 from builders import FILM, PLATE
 from conftest import Run
+from schemas import follows_schema
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
@@ -24,7 +24,6 @@ from hyperfab.chapters.mold_heat import recipe as heat_recipe
 from hyperfab.chapters.rerun import Listener, rerun
 from hyperfab.chapters.uncertainty.carry import Sure
 from hyperfab.console import Console
-from hyperfab.documents.base import schema
 from hyperfab.errors import InputError, NotConverged
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.io.vtu_read import read_vtu
@@ -101,7 +100,7 @@ def made(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
         command, *rest = words
         files = {name.replace("_", "."): data for name, data in given.items()}
         document = rerun(read(case_class(command), rest), "-", files).document
-        jsonschema.validate(document, schema(document["format"].split(".")[1].split("/")[0]))
+        follows_schema(document, document["format"].split(".")[1].split("/")[0])
         for band in document.get("uncertainty", {}).get("quantities", {}).values():
             shares = [one["share"] for one in band["budget"]]
             assert sum(shares) == pytest.approx(1.0)
@@ -502,7 +501,7 @@ def test_a_mold_goes_with_its_emissivity(made: Any) -> None:
     mold += '[[radiation]]\non = "exposed"\nemissivity = "0.8 +- 0.05"\nambient = "25 degC"\n'
     found = made(("mold-heat", "plate.toml"), plate_toml=mold.encode())
     assert relative(found, "energy.lost_J") == pytest.approx(0.05 / 0.8, rel=1e-2)
-    jsonschema.validate(tomllib.loads(mold), schema("mold"))
+    follows_schema(tomllib.loads(mold), "mold")
 
 
 def test_the_set_up_keeps_tolerances_and_gives_them_back(made: Any, folder: Path) -> None:

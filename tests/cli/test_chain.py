@@ -6,12 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 from builders import FILM, PLATE
 from conftest import Run
-
-from hyperfab.documents.base import schema
+from schemas import follows_schema
 
 UNIAXIAL = "specimens/treloar-1944/uniaxial.csv"
 FIT = ["fit", "--uniaxial", UNIAXIAL, "--model", "yeoh-3"]
@@ -25,7 +23,7 @@ def only_document(done: Any, kind: str) -> dict[str, Any]:
     """Return the document on standard output, valid against its schema, with nothing else beside it."""
     assert done.returncode == 0, done.stderr.decode()
     document: dict[str, Any] = json.loads(done.stdout)
-    jsonschema.validate(document, schema(kind))
+    follows_schema(document, kind)
     assert document["format"] == f"hyperfab.{kind}/1"
     assert document["provenance"]["command"]
     assert done.stdout.endswith(b"}\n")

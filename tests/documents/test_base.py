@@ -10,6 +10,7 @@ import jsonschema
 import pytest
 from conftest import ROOT
 from pydantic import Field
+from schemas import follows_schema
 
 from hyperfab.documents.base import KINDS, Document, HandWritten, parse_document, schema
 from hyperfab.documents.mold import MoldDocument
@@ -161,7 +162,7 @@ def test_keys_that_do_not_go_together_are_told_by_the_one_to_look_at(change: dic
 )
 def test_documents_that_people_write_fit_the_schema_of_their_kind(path: Path) -> None:
     plain = tomllib.loads(path.read_text())
-    jsonschema.validate(plain, schema(plain["format"].removeprefix("hyperfab.").partition("/")[0]))
+    follows_schema(plain, plain["format"].removeprefix("hyperfab.").partition("/")[0])
 
 
 def test_a_schema_takes_the_short_forms_that_are_read_and_no_others() -> None:
@@ -173,10 +174,10 @@ def test_a_schema_takes_the_short_forms_that_are_read_and_no_others() -> None:
         {"shrinkage": "0.05 +- 0.01"},
         {"compression": [{"table": "a.csv"}]},
     ):
-        jsonschema.validate({**foam, **more}, schema("foam"))
+        follows_schema({**foam, **more}, "foam")
     for wrong in ({"compression": 3}, {"shrinkage": [0.05]}, {"poisson": [0.3]}):
         with pytest.raises(jsonschema.ValidationError):
-            jsonschema.validate({**foam, **wrong}, schema("foam"))
+            follows_schema({**foam, **wrong}, "foam")
 
 
 def test_a_schedule_that_is_given_as_a_table_is_shown_as_it_is_written() -> None:
