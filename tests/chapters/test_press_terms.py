@@ -28,7 +28,7 @@ press = { tilt = { x = "0 deg", y = "0 deg" }, offset = { x = "0 mm" } }
 @pytest.fixture(scope="module")
 def shop(tmp_path_factory):
     folder = tmp_path_factory.mktemp("shop")
-    for name, solid in zip(("male", "female"), solids((24, 25)), strict=True):
+    for name, solid in zip(("male", "female"), solids((20, 21)), strict=True):
         (folder / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
     (folder / "foam.toml").write_text(FOAM)
     return folder
@@ -89,7 +89,7 @@ def test_a_female_mounted_off_the_axis_is_the_one_drawn_there(shop, monkeypatch,
     more = {"force": "40N", "gap": None, "facets": facets}
     written = with_foam(shop, monkeypatch, 'press = { offset = { x = "0.6 mm", y = "-0.3 mm" } }\n', **more)
     _, plain = press(shop, monkeypatch, **more)
-    body = solids((24, 25))[1]
+    body = solids((20, 21))[1]
     (shop / "moved.stl").write_bytes(stl_bytes(body.vertices + np.array([0.6, -0.3, 0.0]), body.faces))
     _, drawn = press(shop, monkeypatch, **more, female="moved.stl")
     for key in ("gap_min_mm", "gap_max_mm", "contact_area_mm2", "pressure_max_MPa", "energy_J", "stroke_mm"):
@@ -186,7 +186,7 @@ def test_foam_that_is_uneven_between_the_corners_of_large_facets_is_met_there(tm
 
 
 def test_molds_drawn_into_each_other_are_parted_and_that_is_said(shop, monkeypatch, capsys):
-    male, female = solids((24, 25))
+    male, female = solids((20, 21))
     _, plain = press(shop, monkeypatch, gap="3mm")
     assert plain["clearance_drawn_mm"] == pytest.approx(3.0, abs=0.02)
     for depth in (3.5, 20.0):
@@ -205,7 +205,7 @@ def test_molds_drawn_into_each_other_are_parted_and_that_is_said(shop, monkeypat
 
 
 def test_corners_that_single_precision_rounds_apart_are_welded(shop, monkeypatch, capsys):
-    _, female = solids((24, 25))
+    _, female = solids((20, 21))
     _, plain = press(shop, monkeypatch, gap="3mm")
     apart = female.vertices[female.faces].reshape(-1, 3)
     apart = apart + np.random.default_rng(3).uniform(-1e-5, 1e-5, apart.shape)
@@ -216,7 +216,7 @@ def test_corners_that_single_precision_rounds_apart_are_welded(shop, monkeypatch
 
 
 def test_a_heap_of_facets_is_refused_by_name(shop, monkeypatch):
-    _, female = solids((24, 25))
+    _, female = solids((20, 21))
     apart = female.vertices[female.faces].reshape(-1, 3)
     apart = apart + np.random.default_rng(3).normal(0.0, 0.1, apart.shape)  # no rounding
     (shop / "heap.stl").write_bytes(stl_bytes(apart, np.arange(len(apart)).reshape(-1, 3)))

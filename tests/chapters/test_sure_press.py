@@ -42,7 +42,7 @@ def sds(made: Made) -> dict[str, float]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Any:
     """Cups, and two plates that lie 0 mm apart as drawn."""
     found: Path = tmp_path_factory.mktemp("press")
-    for name, solid in (("cup-male", cup.male_cup(24, 25)), ("cup-female", cup.female_cup(25, 24))):
+    for name, solid in (("cup-male", cup.male_cup(16, 17)), ("cup-female", cup.female_cup(17, 16))):
         (found / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
     for name, middle in (("plate-male", -10.0), ("plate-female", 10.0)):
         box = trimesh.creation.box(extents=(100.0, 80.0, 20.0)).apply_translation([0.0, 0.0, middle])
