@@ -6,14 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numba import typeof
 
+from hyperfab.ahead import listed, written
 from hyperfab.curve import TestCurve
 from hyperfab.loop.fabric import fabric_problem
 from hyperfab.materials.effects import compressibility, rate, threads
 from hyperfab.materials.effects.fabric import Fabric
 from hyperfab.materials.effects.path import BIAXIAL, GENERAL, MODE_NAMES, UNIAXIAL, uniaxial_pull
 from hyperfab.materials.effects.threads import Threads, _knots, _piece, nearest_ground
-from hyperfab.materials.orthotropic import Orthotropic
+from hyperfab.materials.orthotropic import Orthotropic, specimen
 from hyperfab.materials.orthotropic.specimen import strip
 from hyperfab.materials.registry import law
 
@@ -77,6 +79,19 @@ def test_between_the_knots_a_strip_answers_as_the_free_strip_does(angle: float) 
     assert stress == pytest.approx(exact.stress, abs=1e-4 * exact.stress.max())
     assert energy == pytest.approx(exact.answer.energy, abs=1e-4 * exact.answer.energy.max())
     assert width == pytest.approx(exact.width, abs=2e-4)
+
+
+def test_a_strip_is_settled_by_the_kernel_of_the_build(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A test's stretches may not be written to; for such an array it would be compiled anew, in eight seconds.
+    called, settle = [], specimen._settle
+    monkeypatch.setattr(specimen, "_settle", lambda *of: called.append(of) or settle(*of))
+    stretch = np.array([1.0, 1.1])
+    stretch.flags.writeable = False
+    for given in (stretch, [1.0, 1.1], np.linspace(1.0, 1.3, 4)[::2]):
+        strip(Orthotropic.of(CONSTANTS), 22.0, given)
+    kinds = [[written(typeof(one)) for one in of] for of in called]
+    assert len(kinds) == 3
+    assert [one for one in kinds if one not in listed()["hyperfab.materials.orthotropic.specimen._settle"]] == []
 
 
 def test_strips_cut_at_several_angles_answer_as_each_does_alone() -> None:

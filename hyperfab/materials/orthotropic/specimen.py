@@ -85,7 +85,8 @@ def strip(law: Orthotropic, angle_deg: ArrayLike, stretch: ArrayLike, near: Stri
     >>> float(strip(law, 30.0, [4.0]).width[0].round(12))
     0.5
     """
-    lam = np.atleast_1d(np.asarray(stretch, dtype=np.float64))
+    # One that may be written to, as the build has compiled the kernel for: for any other it would be compiled anew.
+    lam = np.require(np.atleast_1d(stretch), np.float64, ["C", "W"])
     if near is not None:
         frame, y = near.frame, np.stack([near.width**2, near.shear * lam * near.width], axis=1)
     else:
