@@ -51,6 +51,7 @@ class SweepDocument(Document):
     figures: dict[str, FigureRange]
     limits: dict[str, dict[str, float]] = Field(default_factory=dict)
     effects: list[Effect] = Field(default_factory=list)
+    idle: list[str] = Field(default_factory=list, description="axes along which every case finds the same")
     front: Front | None = None
     best: dict[str, dict[str, Any]] = Field(
         default_factory=dict,

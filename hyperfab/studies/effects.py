@@ -8,7 +8,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.documents.sweep import Effect
-from hyperfab.studies.axes import Axis
+from hyperfab.studies.axes import Axis, Layout
 from hyperfab.studies.table import Table
 
 #: Values that were drawn are gathered into this many classes of equal size, and so are axes of more levels than
@@ -51,6 +51,22 @@ def main_effects(table: Table, axes: Sequence[Axis]) -> list[Effect]:
                 )
             )
     return found
+
+
+def idle(table: Table, layout: Layout) -> list[str]:
+    """Return the axes along which no case finds anything else, where two or more came to their end along them; those
+    that are drawn move together and are asked for together.
+    """
+    shape = (*(len(axis.levels) for axis in layout.listed), layout.samples)
+    found = np.where(table.done, np.array(table.found, dtype=np.float64), np.nan).reshape(shape)
+    names = [*([axis.name] for axis in layout.listed), [axis.name for axis in layout.drawn]]
+    still = []
+    for place, together in enumerate(names):
+        line = np.moveaxis(found, place, 0)
+        line = line[:, np.isfinite(line).sum(axis=0) > 1]
+        if line.size and (np.nanmax(line, axis=0) == np.nanmin(line, axis=0)).all():
+            still += together
+    return still
 
 
 def pareto_front(first: Array, second: Array) -> Ints:

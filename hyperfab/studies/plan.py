@@ -7,6 +7,7 @@ import functools
 import hashlib
 import json
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -105,7 +106,7 @@ class Plan:
             raise InputError("is not a document: its top level is not an object", file=path)
         folder = os.path.dirname(os.path.abspath(path))
         # The edited copy lies elsewhere: what it names is named from anywhere.
-        found: dict[str, Any] = map_texts(loaded, lambda text: self.files.find(text, folder) or text)
+        found: dict[str, Any] = map_texts(loaded, lambda text: self.files.whole(text, folder))
         for key in section.set:
             targets(found, key, f"document.{name}.set")
         return found
@@ -152,9 +153,9 @@ class Plan:
             with placed(key=f"step.{position}.arguments", remedy="correct the braces"):
                 word = fill(text, {**texts, **places}, numbers)
                 symbol = fill(text, {**texts, **symbols}, numbers)
-            path = self.files.find(word)
-            words.append(path or word)
-            identity.append(symbol if path is None else self._file(path))
+            found = self.files.find(word)
+            words.append(word if found is None else found.text)
+            identity.append(symbol if found is None else self._file(found))
         key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
         files = {self._file_name(name): document for name, document in edited.items()}
@@ -175,7 +176,7 @@ class Plan:
 
         def put(text: str) -> str:
             filled = fill(text, texts, numbers)
-            return self.files.find(filled) or filled
+            return self.files.whole(filled)
 
         for key, value in section.set.items():
             with placed(key=f"{place}.{key}"):
@@ -190,12 +191,14 @@ class Plan:
         """Return a document with what its files hold in place of where they are."""
 
         def known(text: str) -> str:
-            return self._file(text) if os.path.isabs(text) and self.files.find(text) else text
+            found = self.files.find(text) if os.path.isabs(text) else None
+            return text if found is None else self._file(found)
 
         return map_texts(document, known)
 
-    def _file(self, path: str) -> str:
-        return f"{{file {os.path.splitext(path)[1]} {self.files.digest(os.path.normpath(path))}}}"
+    def _file(self, found: Named) -> str:
+        ending, digest = os.path.splitext(found.path)[1], self.files.digest(found.path)
+        return f"{found.before}{{file {ending} {digest}}}{found.behind}"
 
 
 def targets(document: dict[str, Any], dotted: str, place: str) -> list[tuple[Any, Any]]:
@@ -241,6 +244,25 @@ def _hash(value: object) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:DIGITS]
 
 
+#: A word that names a file with its option before it, or with what is meant of it behind: ``--mold=cup.stl``,
+#: ``tests.xlsx:warp``, ``heat.json:plate``.
+_NAMING = re.compile(r"(--[a-z][a-z0-9-]*=)?(.+?)((?<=\.json|\.xlsx):[^/\\:]+)?", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Named:
+    """A file that a word names: the option before it, its absolute path, and what is meant of it behind."""
+
+    before: str
+    path: str
+    behind: str
+
+    @property
+    def text(self) -> str:
+        """The word, its file named from anywhere."""
+        return self.before + self.path + self.behind
+
+
 #: Documents may name documents; nobody nests them deeper.
 _MAX_DEPTH = 8
 
@@ -253,12 +275,22 @@ class FileKnowledge:
         self._inputs = inputs
         self._hashes: dict[str, str] = {}
 
-    def find(self, text: str, folder: str | None = None) -> str | None:
-        """Return the absolute path that ``text`` names, seen from ``folder`` (the study's), if there is such a file."""
+    def find(self, text: str, folder: str | None = None) -> Named | None:
+        """Return the file that ``text`` names, seen from ``folder`` (the study's), if there is such a file."""
         if not text or len(text) > 1000 or "\n" in text or "\0" in text:
             return None
-        path = os.path.normpath(os.path.join(folder or self.folder, text))
-        return path if os.path.isfile(path) else None
+        parted = _NAMING.fullmatch(text)
+        assert parted is not None  # any text but an empty one has a middle
+        for before, name, behind in (("", text, ""), (parted[1] or "", parted[2], parted[3] or "")):
+            path = os.path.normpath(os.path.join(folder or self.folder, name))
+            if os.path.isfile(path):
+                return Named(before, path, behind)
+        return None
+
+    def whole(self, text: str, folder: str | None = None) -> str:
+        """Return ``text`` with the file that it names named from anywhere."""
+        found = self.find(text, folder)
+        return text if found is None else found.text
 
     def digest(self, path: str, depth: int = 0) -> str:
         """Return the hash of a file and of every file that it names, if it is a document."""
@@ -282,7 +314,7 @@ class FileKnowledge:
         def note(text: str) -> str:
             place = self.find(text, os.path.dirname(path))
             if place is not None:
-                found.add(place)
+                found.add(place.path)
             return text
 
         map_texts(loaded, note)

@@ -31,6 +31,11 @@ OUTCOME = "outcome.json"
 PASSING = frozenset({5, 70, 130, 143})
 
 
+def is_result(status: object) -> bool:
+    """Whether a step that ended with this status was done, also with a negative verdict."""
+    return status in (0, 1)
+
+
 @dataclass(frozen=True)
 class Outcome:
     """How a step ended: its exit status, its message, its warnings."""
@@ -42,7 +47,7 @@ class Outcome:
     @property
     def has_result(self) -> bool:
         """Whether later steps can build on it: done, also with a negative verdict."""
-        return self.status in (0, 1)
+        return is_result(self.status)
 
     @property
     def kept(self) -> bool:

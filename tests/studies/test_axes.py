@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from hyperfab.documents.study import StudyDocument
 from hyperfab.io.inputs import Inputs
 from hyperfab.studies.axes import Layout
 from hyperfab.studies.effects import main_effects, pareto_front
-from hyperfab.studies.plan import Plan
+from hyperfab.studies.plan import Plan, Step
 from hyperfab.studies.table import Table
 from hyperfab.studies.template import TemplateError, fill
 
@@ -204,3 +205,22 @@ def test_an_axis_of_many_levels_is_gathered_into_classes() -> None:
     assert effect.levels == [100.5, 300.5, 500.5, 700.5, 900.5]
     assert effect.means == [201.0, 601.0, 1001.0, 1401.0, 1801.0]
     assert effect.variance_share == pytest.approx((count**2 - 200**2) / (count**2 - 1))
+
+
+@pytest.mark.parametrize("words", [["--mold=part.stl"], ["heat.json:plate"], ["--tests=lab/k17.xlsx:Warp 2"]])
+def test_a_file_is_named_behind_its_option_and_before_its_part_too(tmp_path: Path, words: list[str]) -> None:
+    name = re.sub(r"^--[a-z]+=|:[^:]+$", "", words[0])
+    file = tmp_path / name
+    file.parent.mkdir(exist_ok=True)
+    more = {"step": [{"name": "one", "command": "add", "arguments": [*words, "{a}"]}]}
+
+    def step() -> Step:
+        plan = Plan(study({"a": {"values": [1, 2]}}, **more), str(tmp_path / "study.toml"), Inputs())
+        return plan.case(0).steps[0]
+
+    file.write_text("1")
+    first = step()
+    # A worker runs elsewhere: its file is found from anywhere, and it is another step where that changes.
+    assert first.words[0] == words[0].replace(name, str(file))
+    file.write_text("2")
+    assert step().key != first.key

@@ -12,13 +12,14 @@ from hyperfab.studies.table import Table
 def test_contact_to_be_maximised_is_best_where_it_is_most() -> None:
     columns = {
         "case": ["a", "b", "c"],
+        "status": [0, 1, 0],
         "force_N": [3.0, 1.0, 2.0],
         "contact_fraction": [0.9, 0.5, 0.7],
         "stretch": [1.3, 1.2, 1.4],
         "gap_mm": [2.0, 3.0, 4.0],
         "energy_J": [1.0, 3.0, 2.0],
     }
-    table = Table(columns, {}, [name for name in columns if name != "case"])
+    table = Table(columns, {}, [name for name in columns if name not in ("case", "status")])
     study = SimpleNamespace(
         pareto=ParetoSection(minimize=["force_N"], maximize=["contact_fraction"]),
         limit={

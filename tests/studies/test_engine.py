@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,7 +21,7 @@ from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
-from hyperfab.errors import OutputError, UsageError
+from hyperfab.errors import InputError, OutputError, UsageError
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install . brings it)")
 
@@ -185,6 +187,57 @@ def test_a_failing_case_is_told_in_the_table_and_the_others_go_on(shop: Shop) ->
     # Failures are results too: only --retry-failed tries them again.
     assert "0 steps run" in shop.inline("out")[1]
     assert "1 steps run" in shop.inline("out", retry=True)[1]
+
+
+def test_what_a_failed_case_came_to_is_none_of_its_figures(shop: Shop) -> None:
+    shop.study(command="stall")
+    more = 'far = "first.sum"\n[limit]\nfar = { most = 9 }\n[pareto]\nminimize = ["sum"]\nmaximize = ["far"]\n'
+    with (shop.folder / "study.toml").open("a") as study:
+        study.write(more)
+    status, said = shop.inline("out")
+    assert status == 1
+    assert "2 of 8 cases failed" in said
+    found = json.loads((shop.folder / "out" / "sweep.json").read_bytes())
+    # The last two, at a = 4, end at 3.5: that is no value of the figure at a = 4, and keeps to no limit.
+    assert found["figures"]["far"] == {"cases": 6, "least": 1.0, "mean": 2.0, "greatest": 3.0}
+    assert found["within_limits"] == 6
+    assert found["best"]["far"]["a"] == 3.0
+    (effect,) = (one for one in found["effects"] if (one["axis"], one["figure"]) == ("a", "far"))
+    assert (effect["levels"], effect["means"]) == ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0])
+
+
+def test_an_axis_along_which_nothing_changes_is_told(shop: Shop) -> None:
+    shop.study()
+    assert "every case finds the same" not in shop.inline("out")[1]
+    # The step is another for each value of b, and b plays no part in it.
+    text = (
+        (shop.folder / "study.toml")
+        .read_text()
+        .replace('"add"\narguments = ["{first}"', '"first"\narguments = ["{first}"')
+    )
+    (shop.folder / "study.toml").write_text(text)
+    status, said = shop.inline("out")
+    assert status == 0
+    assert "along b every case finds the same" in said
+    assert json.loads((shop.folder / "out" / "sweep.json").read_bytes())["idle"] == ["b"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("sum =", "b_mm =", "key figures.b_mm: is the column b_mm, the column of axis.b"),
+        ("sum =", "case =", "key figures.case: is the column case, a column that every table has"),
+        ("axis.a]", "axis.status]", "key axis.status: is the column status, a column that every table has"),
+        ("axis.a]", "axis.b_mm]", "key axis.b: is the column b_mm, the column of axis.b_mm"),
+    ],
+)
+def test_one_column_is_of_one_thing(shop: Shop, old: str, new: str, words: str) -> None:
+    shop.study()
+    text = (shop.folder / "study.toml").read_text().replace(old, new)
+    text = text.replace("{a}", f"{{{new[5:-1]}}}") if old == "axis.a]" else text
+    (shop.folder / "study.toml").write_text(text)
+    with pytest.raises(InputError, match=re.escape(words)):
+        shop.inline("out")
 
 
 def test_a_full_disk_stops_the_study_and_the_next_run_goes_on(shop: Shop) -> None:

@@ -25,6 +25,7 @@ from hyperfab.numerics.threads import cores
 from hyperfab.studies.engine import Engine, Progress
 from hyperfab.studies.plan import Plan
 from hyperfab.studies.store import Store
+from hyperfab.studies.table import columns_of
 
 #: A study of more cases than this is more often a slip than a wish.
 MANY = 1_000_000
@@ -154,6 +155,7 @@ def check_study(plan: Plan, commands: Any) -> None:
                 key=f"step.{position}",
                 remedy=f"hf {step.command} --help shows its options" if known else "hf --help lists the commands",
             )
+    columns_of(plan)
     for name, path in plan.study.figures.items():
         _check_figure(plan, commands, name, path)
     used = {os.path.splitext(name)[0] for step in first.steps for name, _ in step.documents}

@@ -13,7 +13,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.documents.sweep import FigureRange, Front, SweepDocument
 from hyperfab.io.output import Output
 from hyperfab.report.figures_sweep import cases_png, effects_png
-from hyperfab.studies.effects import main_effects, pareto_front
+from hyperfab.studies.effects import idle, main_effects, pareto_front
 from hyperfab.studies.plan import Plan
 from hyperfab.studies.store import Outcome, Store
 from hyperfab.studies.table import NUMBER, Table, collect, to_csv, to_parquet
@@ -27,6 +27,13 @@ def write_result(
     for step, entries in table.validity:
         job.ranges.taken(step, {"validity": entries})
     effects = main_effects(table, plan.axes)
+    still = idle(table, plan.layout)
+    if still:
+        job.console.warn(
+            f"along {', '.join(still)} every case finds the same: what is set there plays no part in it. See that these "
+            "runs can tell it, and where the edited document has the number: a fabric of two directions has its "
+            "constants under directions.warp and directions.weft, one of several temperatures in a row for each"
+        )
     senses = _senses(plan, table)
     document = SweepDocument(
         name=plan.study.name,
@@ -38,6 +45,7 @@ def write_result(
         figures=_ranges(table),
         limits={name: limit.model_dump(exclude_none=True) for name, limit in plan.study.limit.items()},
         effects=effects,
+        idle=still,
         front=_front(plan, table),
         best=_best(table, senses),
         senses=senses,
@@ -80,8 +88,9 @@ def _ranges(table: Table) -> dict[str, FigureRange]:
 
 
 def _eligible(table: Table) -> np.ndarray:
+    """Return which cases may be the best: those that came to their end, within the limits."""
     if "within_limits" not in table.columns:
-        return np.ones(len(table), dtype=bool)
+        return table.done
     return np.array([cell is True for cell in table.columns["within_limits"]])
 
 

@@ -47,6 +47,10 @@ def section(source: Source) -> Section:
         found.claim += f", of these {' and '.join(least)}"
     if data.get("question"):
         found.notes.append(f"The question: {data['question']}")
+    if data.get("idle"):
+        found.notes.append(
+            f"Along {', '.join(data['idle'])} every case finds the same: it plays no part in these runs."
+        )
     if data.get("best"):
         found.parts.append(_best(data))
     if data.get("effects"):
@@ -144,7 +148,8 @@ def _cases(source: Source) -> list[Part]:
     if pair and all(name in numbers for name in pair):
         chosen = [row for row, case in enumerate(table["case"]) if case in set(front)]
         chosen.sort(key=lambda row: numbers[pair[0]][row] or 0.0)
-        x, y = numbers[pair[0]], numbers[pair[1]]
+        done = [status in (0, 1) for status in numbers["status"]]
+        x, y = ([value if kept else None for value, kept in zip(numbers[name], done, strict=True)] for name in pair)
         parts.append(
             chart(
                 "All cases by the two figures that pull against each other; the line joins those that none beats.",
