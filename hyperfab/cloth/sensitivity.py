@@ -22,6 +22,8 @@ from .state import Equilibrium
 
 #: The tangent's systems are solved so well: figures are then right to about as much.
 _SOLVED, _MOST = 1e-9, 400
+#: What is of second order already is found to this part: more is of the third.
+_CLOSER = 1e-2
 #: Slack springs keep this part of the stiffest spring's stiffness, so that their nodes have some.
 _FLOOR = 1e-9
 
@@ -63,14 +65,28 @@ class Neighbourhood:
             found.append(self._answers(sheet, there, x + way * moved))
         return moved, found[0], found[1]
 
-    def answers(self, sheet: Sheet, moved: Array) -> Answers:
-        """Return what another sheet answers with its nodes moved (n, m, 3), but for how deep it is in the mold."""
-        x = self._found.state.x + moved
-        return self._answers(sheet, self._forces(sheet, x), x)
+    def answers(self, sheet: Sheet, moved: Array) -> tuple[Answers, Array]:
+        """Return what another sheet answers with its nodes moved (n, m, 3), but for how deep it is in the mold, and how
+        they are moved: the forces that this leaves, of second order, are brought to rest by the same tangent once more.
+        """
+        there = self._forces(sheet, self._found.state.x + moved)
+        left = self._left(there)
+        more = np.zeros_like(left)
+        self._solver(self._tangent, left, more, _CLOSER, _MOST)
+        nearer = self._forces(sheet, self._found.state.x + moved + more)
+        # Springs that go slack or taut on the way are not what the tangent takes them for.
+        if np.linalg.norm(self._left(nearer)) < np.linalg.norm(left):
+            moved, there = moved + more, nearer
+        return self._answers(sheet, there, self._found.state.x + moved), moved
+
+    def _left(self, there: Balance) -> Array:
+        """Return the forces (n, m, 3) that the contact leaves to the nodes."""
+        left = there.f.copy()
+        project(self._balance.q, left, 0, len(left))
+        return left
 
     def _answers(self, sheet: Sheet, there: Balance, x: Array) -> Answers:
-        there.r = there.f.copy()
-        project(self._balance.q, there.r, 0, len(there.r))  # next to nothing: the rest is of mold and clamps
+        there.r = self._left(there)  # next to nothing: the rest is of mold and clamps
         ended = there.ended(self._found.state.copy()._replace(x=x), "", [])
         return answers(sheet, self._mold, ended, self._deepest)
 

@@ -15,6 +15,7 @@ import trimesh
 from builders import FILM, PLATE
 from conftest import Run
 from schemas import follows_schema
+from scipy.special import ndtri
 
 from hyperfab.cases.options import read
 from hyperfab.cases.registry import case_class
@@ -266,6 +267,25 @@ def test_the_sensitivities_of_a_drape_are_those_of_drapes_found_anew(made: Any, 
             again = (up[key] - down[key]) / (0.01 * value)
             # Nodes that come to the mold or leave it between the two are a difference's own error.
             assert bands[key]["sensitivities"][f"fabric.json: parameters.{name}"] == pytest.approx(again, rel=2e-3)
+
+
+def test_the_ends_of_a_drape_are_those_of_drapes_found_anew(made: Any) -> None:
+    """Weight pulls a flat sheet down by its cube root: nodes leave the tangent by what the ends are told with."""
+    words = [*DRAPE, "--tolerance", "1e-9", "--mass"]
+    words[words.index("--depth") + 1] = "5mm"
+    bands = made((*words, "400 g/m^2 +- 80 g/m^2"), fabric_json=material())["uncertainty"]["quantities"]
+    low, high = (
+        made(
+            (*words, f"{float(400.0 + way * ndtri(0.975) * 80.0)!r} g/m^2", "--uncertainty", "none"),
+            fabric_json=material(),
+        )
+        for way in (-1.0, 1.0)
+    )
+    for key in ("energy_J", "stress_warp_max_MPa", "stress_weft_max_MPa", "stretch_max"):
+        sd = (high[key] - low[key]) / (2.0 * ndtri(0.975))
+        # A node that comes to the mold, or leaves it, on the way is what the rest is.
+        assert bands[key]["low"] == pytest.approx(low[key], abs=0.15 * sd), key
+        assert bands[key]["high"] == pytest.approx(high[key], abs=0.15 * sd), key
 
 
 def test_warp_and_weft_are_sources_of_their_own(made: Any) -> None:

@@ -23,7 +23,8 @@ _STEP = 0.05
 
 
 class Beside(Nearby):
-    """What the figures become beside an equilibrium without friction: nodes move along the tangent there."""
+    """What the figures become beside an equilibrium without friction: nodes move along the tangent there, and as much
+    further as the forces that this leaves ask for."""
 
     samples = 100
 
@@ -58,7 +59,7 @@ class Beside(Nearby):
         amounts = self._origins.amounts(changes)
         moved = np.tensordot(amounts, np.array(self._moves), axes=1)
         sheet = self._sheet(changes)
-        return _answer(sheet, self._near.answers(sheet, moved), moved)
+        return _answer(sheet, *self._near.answers(sheet, moved))
 
     def _sheet(self, changes: Changes) -> Sheet:
         moved = self._origins.changed(self._model.case, self._job.inputs, changes)

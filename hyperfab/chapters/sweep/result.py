@@ -30,8 +30,8 @@ def write_result(
     still = idle(table, plan.layout)
     if still:
         job.console.warn(
-            f"along {', '.join(still)} every case finds the same: what is set there plays no part in it. See that these "
-            "runs can tell it, and where the edited document has the number: a fabric of two directions has its "
+            f"along {', '.join(still)} every case finds the same: what is set there plays no part in it. See that "
+            "these runs can tell it, and where the edited document has the number: a fabric of two directions has its "
             "constants under directions.warp and directions.weft, one of several temperatures in a row for each"
         )
     senses = _senses(plan, table)
