@@ -524,6 +524,24 @@ def test_a_mold_goes_with_its_emissivity(made: Any) -> None:
     follows_schema(tomllib.loads(mold), "mold")
 
 
+def test_what_bends_where_no_neighbour_is_quick_ends_on_its_parabola_and_is_warned_of(folder: Path) -> None:
+    """A hot plate at rest that only radiates: its temperature goes with the inverse fourth root of the emissivity."""
+    mold = INSULATED.replace('target = "200 degC"', "steady = true").replace("3000 W", "100 W")
+    mold += '[[radiation]]\non = "exposed"\nemissivity = "0.3 +- 0.05"\nambient = "25 degC"\n'
+    done = rerun(read(case_class("mold-heat"), ["plate.toml"]), "-", {"plate.toml": mold.encode()})
+    band = done.document["uncertainty"]["quantities"]["work_surface.mean_degC"]
+    room, there = 298.15**4, done.document["work_surface"]["at_end"]["mean_degC"] + 273.15
+    low, high = (
+        (room + (there**4 - room) * 0.3 / (0.3 - way * ndtri(0.975) * 0.05)) ** 0.25 - 273.15 for way in (-1.0, 1.0)
+    )
+    sd = (high - low) / (2.0 * ndtri(0.975))
+    # The straight line is off by more; what is of third order is left.
+    assert band["low"] == pytest.approx(low, abs=0.25 * sd)
+    assert band["high"] == pytest.approx(high, abs=0.25 * sd)
+    (said,) = (one for one in done.warnings if "--uncertainty sampled" in one)
+    assert "work_surface.mean_degC" in said
+
+
 def test_the_set_up_keeps_tolerances_and_gives_them_back(made: Any, folder: Path) -> None:
     found = made((*CONTACT, "--thickness", "0.6mm +- 4 %"), fabric_json=material())
     assert found["setup"]["tolerances"] == {"thickness_mm": pytest.approx(0.024)}

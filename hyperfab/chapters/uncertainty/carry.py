@@ -183,8 +183,16 @@ class Carried:
                 for name, way in ends.items():
                     if name in bands and name not in curved:
                         bands[name] = propagation.curved(self.value[name], bands[name], *way)
+                if self.near is None:
+                    for name, band in bands.items():
+                        bands[name] = propagation.bowed(self.value[name], band, effects[name], bends[name])
                 if not curved or self.near is None or self.case.uncertainty == "linear":
                     left_out += [f"{name}: bends within its interval; --uncertainty sampled" for name in curved]
+                    if curved and self.case.uncertainty is None:
+                        self.job.console.warn(
+                            f"the {LEVEL:.0%} intervals of {', '.join(curved)} are rough: within them these do not go "
+                            f"straight with what is unsure; --uncertainty sampled runs {_WHOLE} cases drawn from it"
+                        )
                     return self._told("linear", bands, left_out, slopes=slopes)
                 one = len(curved) == 1
                 reason = f"{', '.join(curved)} bend{'s' if one else ''} within {'its' if one else 'their'} interval"
