@@ -169,6 +169,8 @@ def _sweep(data: Plain) -> Iterator[str]:
     yield f"{data['name']}: {data['cases']} cases, {failed} failed; table {data['table']}"
     if "within_limits" in data:
         yield f"{data['within_limits']} cases keep to the limits"
+    if data.get("idle"):
+        yield f"along {', '.join(data['idle'])} every case finds the same"
     best = data.get("best", {})
     for name, sense in (data.get("senses") or dict.fromkeys(best, "least")).items():
         if name not in best:

@@ -20,6 +20,7 @@ from studies import trivial
 from hyperfab.cases.sweep import SweepCase
 from hyperfab.chapters import sweep
 from hyperfab.chapters.job import Job
+from hyperfab.chapters.summary import paragraph
 from hyperfab.console import Console
 from hyperfab.errors import InputError, OutputError, UsageError
 
@@ -219,7 +220,9 @@ def test_an_axis_along_which_nothing_changes_is_told(shop: Shop) -> None:
     status, said = shop.inline("out")
     assert status == 0
     assert "along b every case finds the same" in said
-    assert json.loads((shop.folder / "out" / "sweep.json").read_bytes())["idle"] == ["b"]
+    found = json.loads((shop.folder / "out" / "sweep.json").read_bytes())
+    assert found["idle"] == ["b"]
+    assert "along b every case finds the same" in paragraph(found)
 
 
 @pytest.mark.parametrize(
