@@ -15,6 +15,7 @@ from hyperfab.io.encoding import decode
 from hyperfab.io.headings import Heading, heading, meaning, unit_behind
 from hyperfab.io.layout import PLAIN, Layout, headless
 from hyperfab.io.named_tests import kind_named
+from hyperfab.io.pages import one_of_pages
 from hyperfab.io.rows import CELL, MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
 from hyperfab.io.settings import Entry, entry_of, settings, sizes
 from hyperfab.io.table_readings import keep_readings
@@ -107,7 +108,7 @@ def _of_lines(lines: list[str], name: str, fits: Fits, layout: Layout, sought: S
     separator, blocks = chosen
     if layout.skip_rows is not None:
         blocks = blocks[:1]
-    return [_sheet(block, name, separator, metadata, layout) for block in understood(blocks)]
+    return [_sheet(block, name, separator, metadata, layout) for block in understood(one_of_pages(blocks))]
 
 
 def open_sheet(
@@ -137,7 +138,7 @@ def _of_workbook(data: bytes, name: str, fits: Fits, layout: Layout) -> list[Csv
     def sheets(title: str, blocks: Sequence[Block]) -> list[CsvSheet]:
         there = name if picked else f"{name}:{title}"
         with placed(there):
-            blocks = blocks[:1] if layout.skip_rows is not None else understood(blocks)
+            blocks = blocks[:1] if layout.skip_rows is not None else understood(one_of_pages(blocks))
             for block in blocks:
                 block.metadata = {**beside, **block.metadata}
             made = [replace(_sheet(block, there, CELL, {}, layout), label=title) for block in blocks]

@@ -150,12 +150,13 @@ def numbers(sheet: CsvSheet, heading: Heading, decimal: str, shift: int = 0, gap
     if "%" in joined:
         cells = [cell.removesuffix("%").rstrip() for cell in cells]
         joined = "\n".join(cells)
-    if decimal == "," and "." not in joined:
+    grouped = decimal == "," and "." in joined  # 1.600 is a thousand and more
+    if decimal == ",":
         joined = joined.replace(",", ".")
     if shift:
         joined = joined.replace("\n", f"e{shift}\n") + f"e{shift}"
     values = None
-    if not _NOT_PLAIN.search(joined):
+    if not grouped and not _NOT_PLAIN.search(joined):
         with contextlib.suppress(ValueError):
             values = np.array(list(map(float, joined.split("\n"))))
     if values is None:

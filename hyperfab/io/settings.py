@@ -179,7 +179,8 @@ def _stated(cells: Sequence[str], place: int) -> tuple[str, str, str | None, int
         key, value, after = match[1], match[2], place + 1
     elif cells[place] and place + 1 < len(cells) and not is_number(cells[place]):
         key, value, after = cells[place].rstrip(":= "), cells[place + 1], place + 2
-        if not value or (place > 0 and setting(key) is None):
+        titles = setting(value) in SIZES and setting(key) != "direction"  # Direction: width
+        if not value or titles or (place > 0 and setting(key) is None):
             return None
         beyond = cells[after + (after < len(cells) and unit_of(cells[after].strip("[](){} ")) is not None) :]
         if any(beyond) and setting(next(filter(None, beyond)).rstrip(":= ")) is None:

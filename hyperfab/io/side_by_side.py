@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from hyperfab.io.cells import plain_values
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import Meaning, axis_of, plain, reading, word_for
 from hyperfab.io.headings import Heading, heading, meaning, suffixed
@@ -46,9 +47,12 @@ def specimens(sheet: CsvSheet, one_axis: bool = False, ways: Sequence[str] = STR
     told = {key: {name for one in heads if (name := _held(one, meaning(one), ways))} for key, heads in groups.items()}
     if chosen:  # whose readings the command line sets aside is no specimen
         groups = {key: heads for key, heads in groups.items() if told[key] & set(STRESSES)}
-    if len(groups) < 2 or not all(told[key] & set(STRESSES) for key in groups):
-        return [sheet]
     shared = [one for one in sheet.headings if one.index in {head.index for head in shared}]
+    one_load = {_held(one, meaning(one), ways) for one in shared} & {*STRESSES}
+    if len(groups) < 2 or not all(
+        told[key] & {*STRESSES} or (one_load and _lengthen(sheet, heads)) for key, heads in groups.items()
+    ):
+        return [sheet]
     of_all = {_held(one, meaning(one), ways) for one in shared} & {*ways} if ways is not STRETCHES else ()
     if not (of_all or all(told[key] & set(ways) for key in groups) or fits([*shared, *next(iter(groups.values()))])):
         return [sheet]
@@ -60,6 +64,12 @@ def specimens(sheet: CsvSheet, one_axis: bool = False, ways: Sequence[str] = STR
             metadata[setting] = [Entry(value, sheet.header_line, sure=setting == "test")]
         found.append(_part(sheet, heads, shared, f"{sheet.label} {key}".strip(), metadata))
     return found
+
+
+def _lengthen(sheet: CsvSheet, heads: Sequence[Heading]) -> bool:
+    """Whether columns go up farther than down from where they begin: a strip's own, no width that is drawn in."""
+    every = [plain_values(sheet.columns[one.index]) for one in heads]
+    return all(max(values, default=0.0) + min(values, default=0.0) > 2.0 * sum(values[:1]) for values in every)
 
 
 def _held(head: Heading, found: Meaning | None, ways: Sequence[str]) -> str | None:
@@ -235,8 +245,11 @@ def _labelled(heads: Sequence[Heading], one_axis: bool) -> tuple[dict[Label, lis
     axes = keys <= {"x", "y"} or (
         not one_axis and (keys <= {"1", "2"} or any(label.setting == "direction" for label in groups))
     )
-    alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & set(STRESSES)
     one_kind = len(settings := {label.setting for label in groups}) == 1
+    # Of strips of several directions under the same loads each has a stretch of its own.
+    one_load = settings == {"direction"} and any((one := read(head)) and one.name in STRESSES for head in shared)
+    due = {*STRESSES, *STRETCHES} if one_load else {*STRESSES}
+    alike = len(kinds) > 1 and all(one == kinds[0] for one in kinds) and kinds[0] & due
     # Two forces over one extension may be two load cells, if nothing but a number tells them apart.
     cells = {"force"} if "specimen" in settings else set()
     own = kinds and (kinds[0] & set(STRETCHES) or kinds[0] & set(STRESSES) - cells)

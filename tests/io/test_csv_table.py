@@ -589,3 +589,11 @@ def test_markers_may_be_called_flat_and_draped() -> None:
     columns = dict.fromkeys(("x0", "y0", "x", "y", "z"), "length")
     table = read_table(b"id,flat_x_mm,flat_y_mm,draped_x_mm,draped_y_mm,draped_z_mm\n1,2,3,4,5,6\n", "m.csv", columns)
     assert [float(table[one][0]) for one in columns] == [2.0, 3.0, 4.0, 5.0, 6.0]
+
+
+def test_a_dot_groups_thousands_in_a_column_of_whole_numbers_too() -> None:
+    """Of 1.600 and 1.225,8 in one file the comma is the decimal mark: whole numbers were a thousandth of themselves."""
+    text = "Tiefe [µm];Kraft [mN]\n0;0,0\n800;345,6\n1.600;1.225,8\n"
+    table = read_table(text.encode(), "a.csv", {"tiefe": "length", "kraft": "force"})
+    assert table["tiefe"] == pytest.approx([0.0, 0.8, 1.6])
+    assert table["kraft"] == pytest.approx([0.0, 0.3456, 1.2258])

@@ -151,3 +151,27 @@ def test_titles_that_only_say_which_are_all_proposed_as_stresses(one: str) -> No
     found = as_told(table(f"x,{one},transverse", STRAIN, *PULLS))
     same(found)
     assert [one.direction for one in found] == [0.0, 90.0]
+
+
+LOADS = np.array([0.0, 1.0, 2.0, 4.0])
+
+
+@pytest.mark.parametrize("numbers", [("",), (" 1", " 2")])
+def test_strips_of_two_directions_under_the_same_loads_are_each_their_own(numbers: tuple[str, ...]) -> None:
+    """The elongation along the weft was taken for the width of the strip along the warp."""
+    of_each = [(way, gain) for way, gain in (("warp", 5.0), ("weft", 9.0)) for _ in numbers]
+    heads = [f"Extension {way}{number} (%)" for way in ("warp", "weft") for number in numbers]
+    data = table(",".join(["Load (N)", *heads]), LOADS, *(gain * LOADS for _, gain in of_each))
+    found = read_tests(b"# width: 50 mm\n" + data, "a.csv", test="uniaxial")
+    assert [one.direction for one in found] == [0.0 if way == "warp" else 90.0 for way, _ in of_each]
+    for one, (_, gain) in zip(found, of_each, strict=True):
+        assert one.stretch == pytest.approx(1.0 + 0.01 * gain * LOADS)
+        assert one.stress == pytest.approx(LOADS / 50.0)
+        assert one.stretch2 is None
+
+
+def test_a_width_that_is_drawn_in_is_of_the_same_strip() -> None:
+    data = table("Load (N),Strain warp (%),Strain weft (%)", LOADS, 5.0 * LOADS, -2.0 * LOADS)
+    [found] = read_tests(b"# width: 50 mm\n" + data, "a.csv", test="uniaxial")
+    assert found.stretch2 is not None
+    assert found.stretch2[-1] == pytest.approx(0.92)

@@ -124,3 +124,9 @@ def test_names_of_specimens_tell_the_temperature_where_all_do() -> None:
     assert [told(one) for one in found] == [(0.0, 80.0), (0.0, 23.0)]
     [*_, last] = read(f"specimen;strain [-];stress [MPa]\n{rows.replace('23C', 'x')}")
     assert told(last) == (0.0, None)
+
+
+def test_the_next_title_of_a_table_of_results_is_no_name_of_a_specimen() -> None:
+    text = "Results\n;Specimen label;Width;Thickness\n;;mm;mm\n1;K7;50;1\n2;K8;50;1\n\n"
+    assert read(text + BELOW)[0].specimen is None
+    assert read("Direction;width\n" + BELOW)[0].direction == 90.0
