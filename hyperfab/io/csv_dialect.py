@@ -10,13 +10,24 @@ from dataclasses import replace
 from hyperfab.errors import InputError, placed
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import Meaning, is_closing
+from hyperfab.io.dictionary import is_closing
 from hyperfab.io.encoding import decode
-from hyperfab.io.headings import Heading, heading, meaning, unit_behind
+from hyperfab.io.headings import Heading, heading
 from hyperfab.io.layout import PLAIN, Layout, headless
 from hyperfab.io.named_tests import kind_named
 from hyperfab.io.pages import one_of_pages
-from hyperfab.io.rows import CELL, MAX_CELLS, MAX_COLUMNS, SEPARATORS, Row, lines_of, split, titles_by_gaps, uniform
+from hyperfab.io.rows import (
+    CELL,
+    MAX_CELLS,
+    MAX_COLUMNS,
+    SEPARATORS,
+    Row,
+    lines_of,
+    one_word,
+    split,
+    titles_by_gaps,
+    uniform,
+)
 from hyperfab.io.settings import Entry, entry_of, settings, sizes
 from hyperfab.io.table_readings import keep_readings
 from hyperfab.io.tables import (
@@ -34,6 +45,7 @@ from hyperfab.io.tables import (
     with_units,
     with_units_above,
 )
+from hyperfab.io.unit_cells import units_of_cells
 from hyperfab.io.xlsx import NOT_COMPUTED, is_workbook, split_sheet, worksheets
 
 #: How comments begin that other programs write above a table; of a row of units no word follows.
@@ -115,7 +127,11 @@ def open_sheet(
     data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True, sought: Sequence[str] = ()
 ) -> CsvSheet:
     """Return the one table of a file; InputError where it has several."""
-    sheets = open_sheets(data, name, fits, layout, sought)
+    return the_one(open_sheets(data, name, fits, layout, sought), name)
+
+
+def the_one(sheets: Sequence[CsvSheet], name: str) -> CsvSheet:
+    """Return the table that is all there is in a file called ``name``; InputError where there are several."""
     if len(sheets) > 1:
         raise InputError(
             f"has {len(sheets)} tables, in lines {sheets[0].header_line}, {sheets[1].header_line}, …",
@@ -275,8 +291,10 @@ def _first_table(body: list[tuple[int, str]], separator: str, fits: Fits, layout
     titles = split(text, separator, line)
     if len(titles) > MAX_COLUMNS:
         raise InputError(f"has {len(titles)} columns", line=line, remedy="export fewer channels")
-    if all(is_number(cell) for cell in titles if cell):
-        return None
+    if all(is_number(cell) for cell in titles if cell) or any(
+        one_word(split(text, separator, number)) for number, text in body[1:2]
+    ):
+        return None  # types, perhaps above units
     heads = headings(titles, layout)
     start = 1
     if len(body) > 1 and is_units(cells := split(body[1][1], separator, body[1][0])):
@@ -352,11 +370,7 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
     )
     heads = list(block.headings)
     lines = block.lines or [line for line, _ in block.rows]
-    for index, cells in enumerate(columns[: len(heads)]):
-        unit = _unit_in(cells, heads[index], lines)
-        if unit is not None:
-            heads[index] = replace(heads[index], unit=unit)
-            columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
+    units_of_cells(heads, columns, lines)
     # A column of a workbook may hold numbers as text, with a comma.
     comma = any("," in cell and is_number(cell) for cells in columns for cell in cells[:50])
     return CsvSheet(
@@ -364,20 +378,3 @@ def _sheet(block: Block, name: str, separator: str, metadata: Mapping[str, list[
         dict(block.left_out), tuple(dict.fromkeys(block.words)), layout,
         mark="." if separator == CELL and not comma else None, over=block.over,
     )  # fmt: skip
-
-
-def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int]) -> str | None:
-    """Return the unit that stands behind every number of a column, as in 0.5 MPa; InputError where there are two."""
-    unit = unit_behind(cells[0]) if cells else None
-    if unit is None or (head.unit in (None, unit) and all(cell.endswith(unit) for cell in cells)):
-        return unit
-    other = next((row for row, cell in enumerate(cells) if unit_behind(cell) not in (None, unit)), None)
-    if meaning(head) in (None, Meaning("aside")) or (other is None and head.unit in (None, unit)):
-        return None
-    than = "the head" if other is None else f"{cells[other]} in line {lines[other]}"
-    raise InputError(
-        f"{cells[0]} is in another unit than {than}",
-        line=lines[0],
-        column=head.title,
-        remedy="export the column in one unit",
-    )

@@ -308,7 +308,7 @@ def _day_alone(cell: str) -> bool:
 
 def _minutes_first(sheet: CsvSheet, heading: Heading) -> bool:
     """Return whether a clock of two parts tells minutes and seconds, not hours and minutes."""
-    titled = re.search(r"\b(hh?:mm?|mm?:ss?)\b(?!:)", heading.title.casefold())
+    titled = re.search(r"\b(hh?:m(?:m|in)?|m(?:m|in)?:s(?:s|ec)?)\b(?!:)", heading.title.casefold())
     if heading.unit in ("h", "min") or (titled and heading.title[titled.start() - 1 : titled.start()] != ":"):
         return heading.unit == "min" or (titled is not None and titled[1].startswith("m"))
     matches = [match for cell in sheet.columns[heading.index] if (match := MOMENT.fullmatch(cell))]

@@ -15,13 +15,13 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
 from hyperfab.io import headings
 from hyperfab.io.cells import is_clock, is_number
-from hyperfab.io.csv_dialect import open_sheet, open_sheets
+from hyperfab.io.csv_dialect import open_sheets, the_one
 from hyperfab.io.csv_numbers import beside_clock, other_unit, quantities, seconds, settle_decimal
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import fold, is_tensor, plain, reading
 from hyperfab.io.headings import Heading, is_of, meaning, suffixed
 from hyperfab.io.layout import PLAIN, Layout, filled_in
-from hyperfab.io.long_log import a_column_each, called_by, moments
+from hyperfab.io.long_log import a_column_each, called_by, moments, one_under_another
 from hyperfab.io.side_by_side import specimens
 from hyperfab.io.tables import Fits
 from hyperfab.io.units import KINDS
@@ -138,7 +138,9 @@ def read_table(
     if isinstance(data, CsvSheet):
         sheet = data
     else:
-        sheet = open_sheet(data, name, layout, *_expected([columns, *instead], optional or {}, rest, called))
+        fits, sought = _expected([columns, *instead], optional or {}, rest, called)
+        sheets = open_sheets(data, name, fits, layout, sought)
+        sheet = (one_under_another(sheets, called) if len(sheets) > 1 else None) or the_one(sheets, name)
     sheet = a_column_each(sheet, called, rest) if rest is not None and gaps else sheet
     if not all(map(sheet.find, columns)):
         columns = next((one for one in instead if all(map(sheet.find, one))), columns)
@@ -344,7 +346,7 @@ def _check_increasing(sheet: CsvSheet, heading: Heading, values: Array) -> None:
     if back.size:
         row = int(back[0]) + 1
         cells = ((one.title, sheet.columns[one.index]) for one in sheet.headings)
-        anew = [title for title, own in cells if len({*own[:row]}) == 1 and own[row] != own[0]]
+        anew = [title for title, own in cells if len({*own[:row]}) == 1 < row and own[row] != own[0]]
         raise sheet.wrong(
             f"{sheet.columns[heading.index][row]} does not follow {sheet.columns[heading.index][row - 1]}: "
             "the column must increase from row to row",

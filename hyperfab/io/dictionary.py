@@ -193,8 +193,14 @@ def word_for(text: str, table: str) -> str | None:
 
 
 def is_closing(text: str) -> bool:
-    """Whether a cell begins a row of means or the like."""
+    """Whether a cell begins a row of means or the like.
+
+    >>> is_closing("s"), is_closing("Mean 2"), is_closing("2.5 s")
+    (True, True, False)
+    """
     label = plain(text)
+    if re.match(r"[-+.,]?\d", text):  # a time
+        return False
     core = " ".join(word for word in label.split() if not word.isdigit())
     return not words(heading_words.CLOSING).isdisjoint((label, core))
 

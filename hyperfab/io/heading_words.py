@@ -89,7 +89,7 @@ COLUMNS: dict[str, str] = {
         cisaillement; sforzo di taglio; tensione di taglio; tensao de cisalhamento; tensao cisalhante""",
     "stress sd": """stress sd; stress std; sd stress; std stress; stress stdev; standard deviation of stress; spannung
         sd; membrane stress sd""",
-    "time": """time; t; elapsed; elapsed time; relative time; test time; total time; running time; run time;
+    "time": """time; t; elapsed; elapsed time; relative time; rel time; test time; total time; running time; run time;
         time stamp; timestamp; step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo;
         tiempo de ensayo; tiempo transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova;
         tempo trascorso; tempo de ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время; sure; zaman;
@@ -134,6 +134,7 @@ COLUMNS: dict[str, str] = {
 TIMES: dict[str, str] = {
     "s": "seconds; secs; unix time; unix timestamp; epoch time; sekunden; segundos; secondes; secondi; saniye; x value",
     "min": "minutes; mins; minuten; minutos; minuti; dakika",
+    "ms": "milliseconds; millisekunden; milisegundos; millisecondes; millisecondi",
     "h": "hours; hrs; stunden; horas; heures; saat",
 }
 #: Units in words, as offices write them.

@@ -259,7 +259,8 @@ def heading(title: str, index: int) -> Heading:
     if (
         unit := next((one for one, told in heading_words.TIMES.items() if plain(label) in words(told)), None)
     ) is not None:
-        return Heading(title, "time", unit, index)
+        # Beside a clock milliseconds are its fraction.
+        return Heading(title, "time" if unit != "ms" else label, unit, index)
     return Heading(title, label or title, None, index)
 
 

@@ -7,14 +7,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest
 
-from hyperfab.io.cells import is_clock, is_number
+from hyperfab.io.cells import is_clock, is_number, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
-from hyperfab.io.dictionary import BRACKETS, fold
+from hyperfab.io.dictionary import BRACKETS, fold, plain
 from hyperfab.io.headings import Heading, is_of, suffixed
+from hyperfab.io.row_states import held_down
 from hyperfab.io.units import KINDS
 
 #: How a logger makes one value of those it read since the last.
-_ONE_VALUE = re.compile(r"[ _.](?:ave|avg|average|mean|last|mittel|mittelwert)\.?$", re.IGNORECASE)
+_ONE_VALUE = re.compile(r"[ _.](?:ave|avg|average|mean|value|last|mittel|mittelwert)\.?$", re.IGNORECASE)
 #: What reads a probe, with its number, before the name: 101 cup, PT100_cup, TC3 cup; and what names one in brackets.
 _READ_BY = re.compile(
     r"^(?:(?:ch|tc|pt|ai|t|temp|rtd|thermocouple|sensor|probe|channel|kanal)\.?[ _]?)?\d{0,4}[ _:.-]+", re.I
@@ -31,8 +32,9 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
     InputError where a column has names of which none or not every one is known, or nothing tells the unit.
     """
     clock = moments(sheet) or sheet.find("time")
-    if clock is None or len({*(times := sheet.columns[clock.index])}) == len(times):
+    if clock is None or _counts_up(times := sheet.columns[clock.index]):
         return sheet
+    sheet = replace(sheet, columns=tuple(map(_held, sheet.columns)))
     said = {fold(one.title): one.name for one in sheet.layout.columns}
     probes = {fold(one): one for one in called}
 
@@ -43,6 +45,13 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
     words = [one for one in sheet.headings if one.index != clock.index and _names(sheet.columns[one.index], times)]
     known = [one for one in words if any(map(probe, {*sheet.columns[one.index]}))]
     if len(named := known or words) != 1:
+        counted = [one for one in sheet.headings if one not in words and _names(sheet.columns[one.index], times, True)]
+        if not words and len(counted) == 1 and counted[0].unit is None and len({*times}) < len(times):
+            raise sheet.wrong(
+                "numbers what was read at the same times",
+                counted[0],
+                remedy=f"write the probe in place of each number; the mold has {', '.join(called)}",
+            )
         return sheet
     told, own = named[0], {word: probe(word) for word in dict.fromkeys(sheet.columns[named[0].index])}
     free = [one for one in called if one not in own.values()]
@@ -67,27 +76,62 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
             remedy=f"say {sheet.option(settled)}",
         )
     rows: dict[str, dict[str, str]] = {}
-    first: list[int] = []
+    first: dict[str, int] = {}
     beside = (sheet.columns[one.index] for one in (clock, told, read[0]))
     for line, time, word, cell in zip(sheet.lines, *beside, strict=True):
         if own[word] == "aside":
             continue
-        first += [] if time in rows else [line]
+        first.setdefault(time, line)
         if str(own[word]) in rows.setdefault(time, {}):
             return sheet  # read twice at once
         rows[time][str(own[word])] = cell
+    if len(plain_values([*rows])) == len(rows):  # each probe by its own clock
+        rows = dict(sorted(rows.items(), key=lambda one: plain_values([one[0]])))
     names = [one for one in dict.fromkeys(own.values()) if one not in (None, "aside")]
     heads = [replace(clock, label="time", index=0)]
     heads += [Heading(str(one), str(one), read[0].unit, k) for k, one in enumerate(names, 1)]
     columns = ([*rows], *([there.get(str(one), "") for there in rows.values()] for one in names))
-    return replace(sheet, headings=tuple(heads), columns=columns, lines=first)
+    return replace(sheet, headings=tuple(heads), columns=columns, lines=[first[time] for time in rows])
 
 
-def _names(cells: Sequence[str], times: Sequence[str]) -> bool:
-    """Whether cells beside ``times`` name what was read: words, each at several times, that tell equal times apart."""
+def _names(cells: Sequence[str], times: Sequence[str], numbers: bool = False) -> bool:
+    """Whether cells beside ``times`` name what was read: words, or ``numbers``, each at several times, that tell equal
+    times apart."""
     words = {*cells}
     parts = len({*zip(times, cells, strict=True)}) == len(cells)
-    return 1 < len(words) <= len(cells) // 2 and parts and not any(not c or is_number(c) for c in words)
+    return 1 < len(words) <= len(cells) // 2 and parts and all(c and is_number(c) == numbers for c in words)
+
+
+def _held(cells: Sequence[str]) -> Sequence[str]:
+    """Return words that stand in the first of their rows alone down to the next; readings as they are."""
+    return cells if any(map(is_number, cells)) else [cell or "" for cell in held_down([cell or None for cell in cells])]
+
+
+def _counts_up(times: Sequence[str]) -> bool:
+    """Whether no time stands there twice, nor, where all are numbers, behind a later one."""
+    values = plain_values(times)
+    return len({*times}) == len(times) and (len(values) < len(times) or values == sorted(values))
+
+
+def one_under_another(sheets: Sequence[CsvSheet], called: Sequence[str]) -> CsvSheet | None:
+    """Return tables of one probe each, which stands above it, as one with a column of their names; None where they are
+    none."""
+    probes = {fold(one) for one in called}
+    names = [
+        {entry.value for told in one.metadata.values() for entry in told if fold(entry.value) in probes}
+        for one in sheets
+    ]
+    titles = {tuple(head.title for head in one.headings) for one in sheets}
+    if len(titles) > 1 or any(len(one) != 1 for one in names):
+        return None
+    words = [name for one, [name] in zip(sheets, names, strict=True) for _ in one.lines]
+    columns = [[cell for one in sheets for cell in one.columns[head.index]] for head in sheets[0].headings]
+    return replace(
+        sheets[0],
+        headings=(*sheets[0].headings, Heading("probe", "probe", None, len(columns))),
+        columns=(*columns, words),
+        lines=[line for one in sheets for line in one.lines],
+    )
 
 
 def called_by(head: Heading, called: Sequence[str]) -> str:
@@ -101,6 +145,17 @@ def called_by(head: Heading, called: Sequence[str]) -> str:
     before = _ONE_VALUE.sub("", head.label)
     found = {names[fold(one)] for one in (*inner, before, _READ_BY.sub("", before)) if fold(one) in names}
     return found.pop() if len(found) == 1 else head.label
+
+
+def extremes(labels: Sequence[str], called: Sequence[str]) -> dict[str, list[str]]:
+    """Return the labels of the least and the largest that a logger read of each of the ``called`` since the last row.
+
+    >>> extremes(["cup Min", "cup Max.", "base Max"], ["cup", "base"])
+    {'cup': ['cup Min', 'cup Max.']}
+    """
+    by_words = {plain(one): one for one in labels}
+    pairs = {one: [f"{plain(one)} {end}" for end in ("min", "max")] for one in called}
+    return {one: [by_words[end] for end in ends] for one, ends in pairs.items() if all(end in by_words for end in ends)}
 
 
 def moments(sheet: CsvSheet) -> Heading | None:

@@ -24,10 +24,10 @@ def one_of_pages(blocks: Sequence[Block]) -> list[Block]:
     column that runs one way in all of them, one at least, goes on where the page before ended.
 
     Of specimens one under another the way, or a column that numbers them, begins anew, and phases of a test begin a
-    clock anew. Heads that stand again are counted as left out.
+    clock anew. Heads repeated are counted as left out.
 
     >>> head = dict(headings=(), metadata={})
-    >>> first = Block(1, rows=[(2, ["0", "5"]), (3, ["1", "4"])], **head)
+    >>> first = Block(1, rows=[(2, ["0", "5"]), (3, ["1", "7"])], **head)
     >>> len(one_of_pages([first, Block(4, rows=[(5, ["2", "6"])], **head)]))
     1
     >>> len(one_of_pages([first, Block(4, rows=[(5, ["0", "6"])], **head)]))
@@ -36,7 +36,7 @@ def one_of_pages(blocks: Sequence[Block]) -> list[Block]:
     found: list[Block] = []
     for block in blocks:
         if found and _goes_on(found[-1], block):
-            again = Counter({"head that stands again": 1})
+            again = Counter({"head repeated": 1})
             found[-1] = replace(
                 found[-1], rows=[*found[-1].rows, *block.rows], left_out=found[-1].left_out + block.left_out + again
             )

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 
 from hyperfab.errors import InputError
+from hyperfab.io.cells import NO_READING
 
 MAX_ROWS = 400_000
 MAX_COLUMNS = 256
@@ -80,6 +81,16 @@ def split(line: str, separator: str, number: int) -> list[str]:
                 f"a quoted cell is not closed in its line ({error})", line=number, remedy="mend the quotes"
             ) from None
     return [cell.strip() for cell in cells]
+
+
+def one_word(cells: Sequence[str]) -> bool:
+    """Whether a row says one and the same word of several columns, as DIAdem says their type below their names.
+
+    >>> one_word(["DT_DOUBLE", "DT_DOUBLE", ""]), one_word(["OVER", "OVER"]), one_word(["1", "1"])
+    (True, False, False)
+    """
+    filled = [cell for cell in cells if cell]
+    return len(filled) > 1 == len({*filled}) and filled[0][:1].isalpha() and NO_READING.fullmatch(filled[0]) is None
 
 
 _WORDS = re.compile(r'"([^"]*)"|(\S+)')

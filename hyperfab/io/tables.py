@@ -25,10 +25,10 @@ from hyperfab.io.units import is_unit
 Fits = Callable[[Sequence[Heading]], bool]
 
 #: What a row of units is called in its first cell, below the head, or above it beside other rows that tell of channels.
-_UNITS = words(
+UNITS = words(
     "unit; units; einheit; einheiten; unidad; unidades; unite; unites; unita; unidade; unit label; y unit label"
 )
-_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")) | _UNITS
+_BLANK_UNITS = frozenset(("", "-", "--", "#", "count", "counts", "text", "none", "n", "no", "[]", "()", "1")) | UNITS
 #: How a unit that is none of ours may be written: V, Ohm, l/min, counts/s.
 _FOREIGN = re.compile(r"[^\W\d_]{1,3}|\w{1,6}(?:[./*]\w{1,4})+")
 #: How the cells of a clock or a date are written, in the place of its unit: hh:mm:ss, TT.MM.JJJJ, h:min:s.
@@ -157,9 +157,9 @@ def _head(
         if any(rows[k][1]):
             above.append(k)
     of_channels = _units_of_channels([cells for _, cells in rows[max(start - _ABOVE, 0) : start]], width)
-    options: list[tuple[tuple[bool, int, int, int], int, tuple[Heading, ...]]] = []
+    options: list[tuple[tuple[bool, int, int, int, int], int, tuple[Heading, ...]]] = []
     for place in range(min(len(above), 3)):
-        if is_recorders(rows[above[place]][1]):
+        if is_recorders(told := rows[above[place]][1]) or (plain(told[0]) in UNITS and is_units(["", *told[1:]])):
             continue
         below = [k for k in above[:place] if is_units(rows[k][1])]
         for units in below or (None, *above[place + 1 : place + 2]):
@@ -177,7 +177,8 @@ def _head(
                 units_known = sum(1 for one in made if one.unit is not None)
                 cost = place + 2 * (upper is not None)
                 first = min(k for k in (above[place], units, upper) if k is not None)
-                options.append(((fits(made), known, units_known, -cost), first, made))
+                apart = 0 if known else len({*titles})  # Min, Max under the name of each channel
+                options.append(((fits(made), known, units_known, apart, -cost), first, made))
     fitting = [option for option in options if option[0][0]]
     if not fitting and layout.columns:  # by number, where no line names the columns
         blank = [Heading("", "", None, index) for index in range(width)]
@@ -198,7 +199,7 @@ def _units_of_channels(above: Sequence[Sequence[str]], width: int) -> list[str]:
     ['', '', 'degF']
     """
     for cells in reversed(above):
-        if cells and len(cells) <= width and plain(cells[0]) in _UNITS and is_units(told := ["", *cells[1:]]):
+        if cells and len(cells) <= width and plain(cells[0]) in UNITS and is_units(told := ["", *cells[1:]]):
             return [*told, *[""] * (width - len(told))]
     return [""] * width
 

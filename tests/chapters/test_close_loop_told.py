@@ -408,6 +408,21 @@ def test_rows_of_thermocouples_that_are_no_reading_are_counted(tmp_path: Path, m
     assert read.left_out == {"blank row": 1, "closing row, no reading": 1}
 
 
+@pytest.mark.parametrize("mean", [False, True])
+def test_the_least_and_the_largest_of_a_probe_are_no_probes(
+    mean: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A recorder's pair of each channel is taken for its middle; beside the mean of a region neither is taken."""
+    monkeypatch.chdir(tmp_path)
+    head = "time [s],a Min [degC],a Max [degC]" + (",a Mean [degC]" if mean else "")
+    rows = "".join(f"{t},{18 + t},{24 + t}" + (f",{20 + t}\n" if mean else "\n") for t in range(9))
+    (tmp_path / "t.csv").write_text(f"{head}\n{rows}")
+    read = read_thermocouples(Job("close-loop", [], Console(False)), "t.csv", ["a"], PLAIN)
+    assert read.names == ["a"]
+    assert read.readings[:, 0].tolist() == [(20.0 if mean else 21.0) + t for t in range(9)]
+    assert ("a is taken as the middle of a Min and a Max" in capsys.readouterr().err) != mean
+
+
 @pytest.mark.parametrize(("rows", "off"), [((30,), 8.0), ((30, 31), -15.0)])
 def test_a_thermocouple_that_jumps_for_a_row_or_two_is_told_and_left_out(
     tmp_path: Path,

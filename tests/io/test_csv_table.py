@@ -526,7 +526,7 @@ LONG = {"rest": "temperature", "called": ("cup", "base"), "gaps": True, "increas
     [
         ("VarName;TimeString;VarValue;Validity;Time_ms", "{name};05.03.2024 23:41:{second};{value};1;45356987{k},5",
          ("PT100_cup", "PT100_base"), "VarValue=temperature [degC]"),
-        ("Zeit;Messstelle;Wert;Einheit", "{second};{name};{value};C", ("cup", "base"),
+        ("Zeit;Messstelle;Wert", "{second};{name};{value}", ("cup", "base"),
          "Wert=temperature [degC],Zeit=time [s]"),
         ("Timestamp,Serial,Temp_C", "2024-03-05T23:41:{second},{name},{value}", ("28-01ff", "28-02ab"),
          "28-01ff=cup,28-02ab=base"),
@@ -566,8 +566,9 @@ def test_what_is_no_probe_in_a_long_log_may_be_set_aside() -> None:
     [
         ("Time;Data.T_cup;Data.T_base\n0;1,5;2,5\n1;1,5;2,5\n",
          '"Time=time [s],Data.T_cup=cup [degC],Data.T_base=base [degC]"'),
-        ("Time [s],Chan001 cup,Unit,Chan002 base,Unit\n0,1,C,2,C\n1,2,C,3,C\n",
-         '"Chan001 cup=cup [degC],Chan002 base=base [degC]"'),
+        ("Time [s],Chan001 cup,Chan002 base\n0,1,2\n1,2,3\n", '"Chan001 cup=cup [degC],Chan002 base=base [degC]"'),
+        ("Milliseconds,cup [degC]\n0,20\n1000,21\n", '"Milliseconds=time [ms]"'),
+        ("time [s],flow,cup [degC]\n0,1,20\n0,2,21\n", "sort the rows, each value once"),
         ("Run,time [s],cup [degC]\n1,0,20\n1,1,21\n2,0,20\n", "keep the rows of one Run"),
     ],
 )  # fmt: skip
@@ -597,3 +598,87 @@ def test_a_dot_groups_thousands_in_a_column_of_whole_numbers_too() -> None:
     table = read_table(text.encode(), "a.csv", {"tiefe": "length", "kraft": "force"})
     assert table["tiefe"] == pytest.approx([0.0, 0.8, 1.6])
     assert table["kraft"] == pytest.approx([0.0, 0.3456, 1.2258])
+
+
+def log(text: str, called: tuple[str, ...] = ("cup", "base")) -> Table:
+    return read_table(text.encode(), "log.csv", {"time": "time"}, layout=PLAIN, **{**LONG, "called": called})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "No.;Time [s];Chan001 cup;Unit;Chan002 base;Unit\n1;0;71,6;F;22,5;C\n2;20;73,4;F;24,0;C\n",
+        "time [s],cup value,unit,base value,unit\n0,71.6,Degree F,22.5,Degree C\n20,73.4,Degree F,24.0,Degree C\n",
+        "Zeit;Messstelle;Wert;Einheit\n0 s;cup;22;°C\n0 s;base;22,5;°C\n20 s;cup;23;°C\n20 s;base;24;°C\n",
+        "Time,cup,base\n0 s,22 °C,22.5 °C\n20 s,23 °C,24.0 °C\n",
+    ],
+    ids=["pairs", "value and unit", "a row each", "in the cells"],
+)
+def test_units_that_stand_beside_each_reading_are_read(text: str) -> None:
+    """Degrees Fahrenheit were offered as Celsius; rows of seconds in the first column were closing rows, of an s."""
+    table = log(text)
+    assert table["time"].tolist() == [0.0, 20.0]
+    assert table["cup"] == pytest.approx([22.0, 23.0])
+    assert table["base"] == pytest.approx([22.5, 24.0])
+
+
+def test_a_reading_that_lacks_has_no_unit_and_two_units_are_told_by_line() -> None:
+    table = log("Time,cup,base\n0 s,22 °C,OPEN\n20 s,23 °C,24.0 °C\n30 s,24 °C,25.0 °C\n")
+    assert table["cup"].tolist() == [22.0, 23.0, 24.0]
+    with pytest.raises(InputError, match=r'line 2, column "cup": C is in another unit than F in line 3'):
+        log("time [s],cup,unit\n0,22,C\n20,73,F\n")
+
+
+@pytest.mark.parametrize(
+    "head",
+    ["Time;cup;base\ns;°C;°C\nDT_DOUBLE;DT_DOUBLE;DT_DOUBLE\n", "Time;cup;base\nReal;Real;Real\ns;°C;°C\n"],
+)
+def test_a_row_of_the_types_of_columns_is_no_reading(head: str) -> None:
+    assert log(head + "0;22,5;23\n20;24;25\n")["cup"].tolist() == [22.5, 24.0]
+
+
+def test_channels_that_are_named_above_their_least_and_largest_are_told_apart() -> None:
+    text = (
+        '"Ch.","","CH1","","CH2",""\n"Tag","","cup","","base",""\n"","","Min","Max","Min","Max"\n'
+        '"Unit","","C","C","C","C"\n"2024/03/05","23:41:00","21","23","30","32"\n"2024/03/05","23:41:20","22","24","31","33"\n'
+    )
+    assert [*log(text).columns] == ["time", "cup Min", "cup Max", "base Min", "base Max"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Channel,Time [s],T [degC]\ncup,0,20\n,20,21\nbase,0,30\n,20,31\n",
+        "Probe: cup\nTime [s],T [degC]\n0,20\n20,21\n\nProbe: base\nTime [s],T [degC]\n0,30\n20,31\n",
+        "Channel,cup\nTime [s],T [degC]\n0,20\n20,21\nChannel,base\nTime [s],T [degC]\n0,30\n20,31\n",
+    ],
+    ids=["merged cells", "named probes", "channels"],
+)
+def test_probes_one_under_another_are_a_column_each(text: str) -> None:
+    table = log(text)
+    assert table["time"].tolist() == [0.0, 20.0]
+    assert (table["cup"].tolist(), table["base"].tolist()) == ([20.0, 21.0], [30.0, 31.0])
+
+
+def test_probes_one_under_another_may_each_have_a_clock() -> None:
+    table = log("Channel,Time [s],T [degC]\ncup,0,20\ncup,20,21\nbase,3,30\nbase,23,31\n")
+    assert table["time"].tolist() == [0.0, 3.0, 20.0, 23.0]
+    assert table.lines.tolist() == [2, 4, 3, 5]
+    assert np.flatnonzero(np.isfinite(table["cup"])).tolist() == [0, 2]
+    assert table["base"][[1, 3]].tolist() == [30.0, 31.0]
+
+
+def test_a_reading_that_lacks_is_not_that_before() -> None:
+    table = log("Channel,Time [s],T [degC]\ncup,0,20\ncup,20,\nbase,0,30\nbase,20,31\n")
+    assert table["cup"][0] == 20.0
+    assert math.isnan(table["cup"][1])
+
+
+def test_numbers_of_channels_are_asked_for_by_name() -> None:
+    """The rows of one channel were to be kept."""
+    with pytest.raises(InputError, match=r'column "Channel": numbers what was read .*write the probe in place of each'):
+        log("Channel,Time [s],T [degC]\n1,0,20\n1,20,21\n2,0,30\n2,20,31\n")
+
+
+def test_a_clock_of_minutes_and_seconds_says_so_in_its_head() -> None:
+    assert log("Elapsed (min:s),cup [degC]\n0:00,20\n0:20,21\n")["time"].tolist() == [0.0, 20.0]

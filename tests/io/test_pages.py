@@ -22,7 +22,7 @@ def test_pages_of_one_test_are_one(titles: str) -> None:
     [found] = read_tests((SIZES + "".join(pages)).encode(), "a.csv", test="uniaxial")
     assert found.stretch == pytest.approx(1.0 + 0.005 * np.arange(20.0))
     assert found.stress == pytest.approx(0.016 * np.arange(20.0))
-    assert found.left_out == {"head that stands again": 2}
+    assert found.left_out == {"head repeated": 2}
     assert found.specimen is None
 
 

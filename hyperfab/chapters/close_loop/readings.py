@@ -18,6 +18,7 @@ from hyperfab.io.csv_table import Table, read_table
 from hyperfab.io.dictionary import plain
 from hyperfab.io.headings import Heading, is_of
 from hyperfab.io.layout import Layout, filled_in
+from hyperfab.io.long_log import extremes
 from hyperfab.io.units import quantity
 from hyperfab.loop.fitting import Fit
 from hyperfab.loop.known import F, File, FilesProblem
@@ -230,7 +231,13 @@ def read_thermocouples(
     )
     unread(job, name, table)
     known = {probe.casefold(): probe for probe in probes}
-    columns = [column for column in table.columns if column not in ("time", *rated)]
+    log = {column: values for column, values in table.columns.items() if column not in ("time", *rated)}
+    for probe, ends in extremes([*log], probes).items():
+        low, high = (log.pop(end) for end in ends)
+        if probe.casefold() not in map(str.casefold, log):
+            job.console.note(f"{name}: {probe} is taken as the middle of {' and '.join(ends)}")
+            log[probe] = 0.5 * (low + high)
+    columns = [*log]
     strange = [column for column in columns if column.casefold() not in known]
     if strange:
         told = [one.entry for one in layout.columns]
@@ -250,7 +257,7 @@ def read_thermocouples(
             column=strange[0],
             remedy=remedy,
         )
-    readings = np.stack([table[column] for column in columns], axis=1)
+    readings = np.stack([log[column] for column in columns], axis=1)
     for number, column in enumerate(columns):
         if np.isfinite(readings[:, number]).sum() < FEWEST:
             raise InputError(
