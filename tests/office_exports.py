@@ -161,6 +161,13 @@ def office() -> dict[str, bytes]:
         "polish": table(
             "Czas [s];Wydłużenie [mm];Siła [N]", [(k, comma(x), comma(f)) for k, x, f in timed], ";"
         ).encode("cp1250"),
+        "finnish": table(
+            "Aika (s);Venym\u00e4 (mm);Voima (N)", [(k, comma(x), comma(f)) for k, x, f in timed], ";"
+        ).encode("cp1252"),
+        "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
+        "czech": table(
+            "Čas [s];Prodloužení [mm];Síla [N]", [(k, comma(x), comma(f)) for k, x, f in timed], ";"
+        ).encode(),
         "dutch": table("Tijd (s);Rek (%);Spanning (MPa)", [(k, *row) for k, row in enumerate(german)], ";").encode(),
     }
 
@@ -170,9 +177,8 @@ def to_settle() -> dict[str, bytes]:
     strain, force = PERCENT, FORCE
     timed = [(k, comma(x), comma(f)) for k, (x, f) in enumerate(force)]
     return {
-        "finnish": table("Aika (s);Venym\u00e4 (mm);Voima (N)", timed, ";").encode("cp1252"),
-        "korean": table("시간(초),변위(mm),하중(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
-        "czech": table("Čas [s];Prodloužení [mm];Síla [N]", timed, ";").encode(),
+        "hungarian": table("Idő (s);Megnyúlás (mm);Erő (N)", timed, ";").encode(),
+        "thai": table("เวลา(วินาที),ระยะ(mm),แรง(N)", [(k, *row) for k, row in enumerate(force)]).encode("utf-8-sig"),
         "strain_in_two_units": table(
             "Strain (%),Strain (mm/mm),Stress (MPa)",
             [(p, e, s) for (p, _), (e, s) in zip(strain, PULL, strict=True)],

@@ -157,7 +157,7 @@ def stands_to_settle() -> dict[str, bytes]:
             ["Stage;Extensometer L [mm];Extensometer L0 [mm];Force [N]"]
             + [f"{k};{100 + Decimal(x)};100;{f}" for k, x, f in TIMED]
         ).encode(),
-        "finnish_workbook": workbook(
-            {"Taul1": [["Venym\u00e4 (%)", "J\u00e4nnitys (MPa)"], *[[(e,), (s,)] for *_, e, s in ROWS]]}
+        "estonian_workbook": workbook(
+            {"Taul1": [["Pikenemine (%)", "Pinge (MPa)"], *[[(e,), (s,)] for *_, e, s in ROWS]]}
         ),
     }

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from hyperfab.errors import InputError, placed
-from hyperfab.io.cells import NO_READING, is_number
+from hyperfab.io.cells import NO_READING, is_clock, is_number
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.dictionary import is_closing
 from hyperfab.io.encoding import decode
@@ -22,13 +22,13 @@ from hyperfab.io.rows import (
     MAX_COLUMNS,
     SEPARATORS,
     Row,
+    are_types,
     lines_of,
-    one_word,
     split,
     titles_by_gaps,
     uniform,
 )
-from hyperfab.io.settings import Entry, entry_of, settings, sizes
+from hyperfab.io.settings import Entry, entry_of, in_sentences, settings, sizes
 from hyperfab.io.table_readings import keep_readings
 from hyperfab.io.tables import (
     Block,
@@ -227,7 +227,8 @@ def _comments(lines: list[str], layout: Layout) -> tuple[dict[str, list[Entry]],
         titles = titles[:-1]
     if titles:
         metadata.setdefault("title", []).extend(titles)
-    return metadata, body, separator
+    told = in_sentences([(entry.line, entry.value) for entry in titles])
+    return {**told, **metadata}, body, separator
 
 
 def _no_reading(line: str) -> bool:
@@ -255,14 +256,19 @@ def _rows(body: list[tuple[int, str]], separator: str) -> list[Row]:
     rows = [(number, split(text, separator, number)) for number, text in body]
     if separator != " ":
         return rows
-    widths = Counter(len(cells) for _, cells in rows if is_data(cells))
+    reads = [is_data(cells) and 2 * sum(map(_reads, cells)) >= len(cells) for _, cells in rows]  # else a sentence
+    widths = Counter(len(cells) for (_, cells), one in zip(rows, reads, strict=True) if one)
     if not widths:
         return rows
     count = widths.most_common(1)[0][0]
     return [
-        row if is_data(row[1]) else (number, titles_by_gaps(text, count) or [text.strip()])
-        for row, (number, text) in zip(rows, body, strict=True)
+        row if one else (number, titles_by_gaps(text, count) or [text.strip()])
+        for row, one, (number, text) in zip(rows, reads, body, strict=True)
     ]
+
+
+def _reads(cell: str) -> bool:
+    return is_number(cell) or is_clock(cell) or NO_READING.fullmatch(cell) is not None
 
 
 def _long(body: list[tuple[int, str]], separator: str, blocks: list[Block]) -> Block | None:
@@ -292,7 +298,7 @@ def _first_table(body: list[tuple[int, str]], separator: str, fits: Fits, layout
     if len(titles) > MAX_COLUMNS:
         raise InputError(f"has {len(titles)} columns", line=line, remedy="export fewer channels")
     if all(is_number(cell) for cell in titles if cell) or any(
-        one_word(split(text, separator, number)) for number, text in body[1:2]
+        are_types(split(text, separator, number)) for number, text in body[1:2]
     ):
         return None  # types, perhaps above units
     heads = headings(titles, layout)

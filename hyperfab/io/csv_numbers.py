@@ -386,6 +386,14 @@ def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str
     raise _bad_cell("is no number", cell, sheet, heading, row)
 
 
+#: What to write in place of cells that say something, and no number.
+_INSTEAD = (
+    (re.compile(r"yes|no|ja|nein|oui|non|s[ií]|n[aã]o|sim|true|false", re.IGNORECASE), "write 1 for yes and 0 for no"),
+    (re.compile(r"[<≤] ?[\d.,]+"), "write 0 where less is there than the instrument shows"),
+)
+
+
 def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int) -> InputError:
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    return sheet.wrong(f"{shown or 'the cell'} {what}", heading, row=row, remedy="correct the cell or delete the row")
+    remedy = next((told for form, told in _INSTEAD if form.fullmatch(cell)), "correct the cell or delete the row")
+    return sheet.wrong(f"{shown or 'the cell'} {what}", heading, row=row, remedy=remedy)

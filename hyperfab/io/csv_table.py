@@ -241,9 +241,9 @@ def _expected(
 
 def _is_meant(heading: Heading, column: str, kind: str) -> bool:
     """Whether a column that need not be there is what it is called: by its name, or by words beside a unit of its
-    ``kind``: a Leistung in W is the power, one in per cent of a rating nobody knows."""
+    ``kind``, or none where that has none: a Leistung in W is the power, one in per cent of a rating nobody knows."""
     called = column in (heading.name, suffixed(heading).name)
-    return called or (heading.unit is not None and is_of(heading.unit, kind))
+    return called or is_of(heading.unit or "-", kind)
 
 
 def _check_units(sheet: CsvSheet, wanted: Mapping[str, tuple[Heading, str]]) -> None:

@@ -95,8 +95,10 @@ def read_tests(
             sheets += [one for part in parts for one in parted_by_sizes(part)]
     sheets = of_own_rows(sheets)
     sheets = in_one(sheets, told.decimal) if len(sheets) > 1 else sheets
+    names = {entry.value if (entry := stated(sheet, "specimen")) else "" for sheet in sheets}
     for number, sheet in enumerate(sheets, 1):
         label = sheet.label or (str(number) if len(sheets) > 1 else "")
+        label = f"{next(iter(names))} {label}".strip() if len(sheets) > len(names) == 1 else label  # of one sample
         with placed(sheet.name):
             found += _read_sheet(sheet, test, geometry or Geometry(), told.decimal, clock, label)
     if sum(len(part.stretch) for part in found) < 2:
@@ -128,7 +130,8 @@ def _read_sheet(
     sizes = strip.sizes
     ways = directions(sheet, columns)
     named = held_down(words_or_stated(sheet, columns, "specimen"))
-    numbered = [label] * len(sheet.lines) if label and len(set(named)) <= 1 and not (named and named[0]) else named
+    own = [one for one in dict.fromkeys(named) if one]
+    numbered = [label] * len(sheet.lines) if label and all(label.startswith(f"{one} ") for one in own) else named
     groups = _groups(kinds, ways, numbered)
     loadings = {kind: read_loading(strip, columns, kind, pressed) for kind in sorted({one for one, _, _ in groups})}
     known: dict[str, Any] = of_each_row(sheet, columns, sizes, mark, clock, notes)

@@ -19,10 +19,12 @@ _PAGES = (
     ("cp1252", "LATIN"), ("mac_roman", "LATIN"), ("cp1250", "LATIN"), ("cp850", "LATIN"), ("cp1254",
     "LATIN"), ("cp1251", "CYRILLIC"),
     ("koi8_r", "CYRILLIC"), ("cp1253", "GREEK"), ("cp932", "CJK HIRAGANA KATAKANA"), ("gb18030", "CJK"),
-    ("big5", "CJK"), ("euc_kr", "HANGUL"),
+    ("big5", "CJK"), ("cp949", "HANGUL"),
 )  # fmt: skip
 _HIGH = re.compile(rb"[\x80-\xff]")
 _WORD = re.compile(r"[^\W\d_]+(?: [^\W\d_]+)*")
+#: Signs that are written in several ways: minus, and the narrow blanks that part thousands.
+_ONE_SIGN = str.maketrans("\N{MINUS SIGN}\N{THIN SPACE}\N{FIGURE SPACE}\N{PUNCTUATION SPACE}", "-\u202f\u202f\u202f")
 #: What other files start with, and what to do with them.
 _OTHERS = (
     (b"\xd0\xcf\x11\xe0", "is an old Excel workbook (.xls)", "open it and save it as .xlsx or CSV"),
@@ -61,7 +63,7 @@ def decode(data: bytes, wanted: tuple[str, ...] = ()) -> str:
             f"is a document, {document[1].decode()}, no table of readings",
             remedy="give the file that the readings stand in",
         )
-    text = _decoded(data, wanted).removeprefix("\ufeff").replace("\N{MINUS SIGN}", "-")
+    text = _decoded(data, wanted).removeprefix("\ufeff").translate(_ONE_SIGN)
     found = _CONTROL.search(text)
     if found:
         line = text.count("\n", 0, found.start()) + 1

@@ -1,4 +1,4 @@
-"""What testing machines and offices call their columns and tests, in twelve languages.
+"""What testing machines and offices call their columns and tests, in sixteen languages.
 
 Words stand as ``hyperfab.io.dictionary.plain`` leaves them: lower case, without accents, punctuation as spaces.
 Sources: the export headings of Instron Bluehill, ZwickRoell testXpert, MTS TestWorks and TestSuite, Shimadzu Trapezium,
@@ -25,7 +25,8 @@ COLUMNS: dict[str, str] = {
         歪み; 歪; 伸び率; 应变; 伸长率; 拉伸应变; 工程应变; 引張ひずみ; 引張りひずみ; 公称ひずみ; ave; ave 1;
         ave 2; ave1; ave2; деформация; относительная деформация; относительное удлинение; birim sekil degistirme;
         birim uzama; gerinim; sekil degistirme; 拉伸率; 断裂伸长率; rek; technische rek; vervorming;
-        odksztalcenie; odksztalcenie nominalne; odksztalcenie inzynierskie; wydluzenie wzgledne""",
+        odksztalcenie; odksztalcenie nominalne; odksztalcenie inzynierskie; wydluzenie wzgledne; venyma; suhteellinen
+        venyma; deformace; pomerne prodlouzeni; pomerna deformace; tojning; 변형률; 신율; 연신율; 신도""",
     "extension": """extension; s; displacement; ext; disp; tensile extension; tensile displacement;
         axial displacement; axial extension; crosshead displacement; crosshead extension; crosshead travel;
         crosshead; stroke; travel; actuator displacement; grip displacement; machine extension;
@@ -39,7 +40,8 @@ COLUMNS: dict[str, str] = {
         deslocamento travessao; deslocamento da travessa; curso; extensao; 変位; ストローク; 伸び; 位移; 变形;
         伸长; 拉伸位移; 横梁位移; ave; ave 1; ave 2; ave1; ave2; перемещение; удлинение; ход; uzama; deplasman;
         yer degistirme; allong; 伸长量; 延伸; verlenging; verplaatsing; traverseweg; wydluzenie; przemieszczenie;
-        przemieszczenie trawersy; droga; przyrost dlugosci""",
+        przemieszczenie trawersy; droga; przyrost dlugosci; siirtyma; pidentyma; prodlouzeni; posuv; posunuti;
+        forlangning; 변위; 신장; 연신; 스트로크""",
     "position": """position; crosshead position; crosshead absolute; traverse absolue;
         traverse; traverse absolut; traversenweg absolut; traversenposition;
         standardtraversenweg; axial position; actuator position; posicion; posicion de la cruceta; position
@@ -53,7 +55,8 @@ COLUMNS: dict[str, str] = {
         force de traction; force standard; charge; forza; forza di trazione; forza standard; carico;
         carico di trazione; forca; forca de tracao; forca padrao; carga de tracao; 試験力; 荷重; 力; 试验力;
         载荷; 负荷; 拉力; 拉伸载荷; 引張荷重; нагрузка; усилие; сила; kuvvet; cekme kuvveti; yuk; 拉伸力; kracht;
-        trekkracht; belasting; sila; sila rozciagajaca; obciazenie""",
+        trekkracht; belasting; sila; sila rozciagajaca; obciazenie; voima; kuorma; zatizeni; tahova sila; 하중; 힘;
+        시험력; 인장하중""",
     "stress": """stress; nominal stress; engineering stress; tensile stress; eng stress; technical stress;
         axial stress; sigma; s; p; pk1; first piola kirchhoff stress; piola stress; nominal stress p; spannung;
         nennspannung; zugspannung; technische spannung; standardspannung; nominelle spannung; esfuerzo;
@@ -63,7 +66,7 @@ COLUMNS: dict[str, str] = {
         tensione nominale; sollecitazione; tensao; tensao nominal; tensao de tracao; tensao de engenharia; 応力;
         应力; 拉伸应力; 工程应力; 引張応力; 公称応力; напряжение; gl spannung; gerilme; cekme gerilmesi;
         muhendislik gerilmesi; spanning; trekspanning; technische spanning; naprezenie; naprezenie rozciagajace;
-        naprezenie nominalne""",
+        naprezenie nominalne; jannitys; vetojannitys; napeti; tahove napeti; dragspanning; 응력; 인장응력""",
     "true stress": """true stress; cauchy stress; cauchy; true tensile stress; wahre spannung; cauchy spannung; esfuerzo
         verdadero; esfuerzo real; esfuerzo de cauchy; contrainte vraie; contrainte de cauchy; sforzo vero; tensione
         vera; tensione reale; tensao verdadeira; tensao real; sigma true; true sigma; 真应力; 真实应力; 真応力""",
@@ -93,12 +96,12 @@ COLUMNS: dict[str, str] = {
         time stamp; timestamp; step time; zeit; prufzeit; testzeit; versuchszeit; laufzeit; messzeit; tiempo;
         tiempo de ensayo; tiempo transcurrido; temps; temps d essai; temps ecoule; tempo; tempo di prova;
         tempo trascorso; tempo de ensaio; tempo decorrido; 時間; 経過時間; 时间; 試験時間; время; sure; zaman;
-        gecen sure; tijd; testtijd; czas; czas badania""",
+        gecen sure; tijd; testtijd; czas; czas badania; aika; cas; tid; 시간""",
     "temperature": """temperature; temp; test temperature; specimen temperature; sample temperature; temperatur;
         pruftemperatur; probentemperatur; temperatura; temperatura de ensayo; temperatura de la probeta;
         temperature d essai; temperatura di prova; temperatura de ensaio; t sample; 温度; 試験温度; 试验温度;
         测试温度; температура; t c; sicaklik; numune sicakligi; temperatuur; proeftemperatuur;
-        temperatura badania; temperatura probki""",
+        temperatura badania; temperatura probki; lampotila; teplota; 온도; 시험온도""",
     "chamber": """chamber temperature; oven temperature; chamber temp; ambient temperature; room temperature;
         kammertemperatur; raumtemperatur; umgebungstemperatur; temperatura ambiente; temperatura de la camara;
         temperature ambiante; temperature enceinte; temperatura ambiente interna; temperatura da camara; t
@@ -108,26 +111,27 @@ COLUMNS: dict[str, str] = {
         abzugsgeschwindigkeit; velocidad; velocidad de ensayo; velocidad de deformacion; vitesse;
         vitesse d essai; vitesse de deformation; velocita; velocita di prova; velocita di deformazione;
         velocidade; velocidade de ensaio; taxa de deformacao; скорость; snelheid; proefsnelheid; reksnelheid;
-        predkosc; predkosc badania""",
+        predkosc; predkosc badania; nopeus; rychlost; hastighet; 속도; 시험속도""",
     "cycle": """cycle; cycles; cycle no; cycle nr; cycle number; cycle count; cyclecount; total cycles;
         cycle index; zyklus; zyklen; zyklusnummer; zyklus nr; zykluszahler; zyklenzahler; hysteresenummer; ciclo;
         ciclos; numero de ciclo; ciclo n; n ciclo; nombre de cycles; numero de cycle; cicli; numero ciclo;
         numero do ciclo; サイクル; サイクル数; 循环; 循环数; 循环次数; 循环计数; 周期; цикл; cevrim; dongu;
-        cyclus; cykl; nr cyklu""",
+        cyclus; cykl; nr cyklu; sykli; cyklus; 사이클""",
     "branch": """branch; loading direction; load branch; ast; be entlastung; belastungsast; rama; branche;
         ramo; hin ruck""",
     "direction": """direction; fabric direction; specimen direction; sample direction; test direction;
         material direction; orientation; cut direction; richtung; probenrichtung; prufrichtung; materialrichtung;
         entnahmerichtung; direccion; direccion del tejido; sens; sens du tissu; orientacion; direzione;
         direzione del tessuto; direcao; direcao do tecido; yon; numune yonu; 方向; 试样方向; richting;
-        proefrichting; kierunek; kierunek badania""",
+        proefrichting; kierunek; kierunek badania; suunta; smer; riktning; 방향""",
     "specimen": """specimen; sample; specimen no; specimen nr; specimen number; specimen id; specimen name;
         specimen label; sample no; sample id; sample name; sample number; test piece; replicate; test no;
         test number; specimen identifier; probe; probe nr; proben nr; probennummer; proben id; probenbezeichnung;
         probekorper; prufling; prufkorper; probeta; probeta n; probeta no; numero de probeta; muestra; muestra n;
         identificacion de la probeta; eprouvette; eprouvette n; numero d eprouvette; echantillon; provino;
         provino n; numero provino; campione; corpo de prova; corpo de prova n; amostra; cp; numune; numune no;
-        试样; 试样编号; 試験片; proefstuk; monster; probka; nr probki; numer probki""",
+        试样; 试样编号; 試験片; proefstuk; monster; probka; nr probki; numer probki; nayte; vzorek; cislo vzorku; prov;
+        시편; 시료; 시편 번호""",
     "test": "test; test kind; test mode; deformation mode; mode",
 }
 #: Titles that are a unit and say by it that they are the time; LabVIEW's ``X_Value`` counts seconds.
@@ -185,18 +189,19 @@ READINGS: dict[str, str] = {
         stempelweg; kugelweg; tiefe; eindringtiefe; eindrucktiefe; profondeur; profondeur de penetration;
         enfoncement; profundidad; profundidad de penetracion; profondita; profondita di penetrazione;
         profundidade; profundidade de penetracao; derinlik; 深度; 压入深度; 押込み深さ; 押し込み深さ; diepte;
-        indrukdiepte; glebokosc; zaglebienie""",
+        indrukdiepte; glebokosc; zaglebienie; syvyys; hloubka; djup; 깊이; 압입 깊이""",
     "stroke": """press stroke; hub; hubweg; pressenhub; schliessweg; course; carrera; corsa; curso;
-        strok; 行程""",
+        strok; 行程; zdvih; 스트로크""",
     "pressure": """contact pressure; film pressure; druck; kontaktdruck; flachenpressung; pression;
         pression de contact; presion; presion de contacto; pressione; pressione di contatto; pressao;
-        pressao de contato; basinc; 压力; 面圧; druk; contactdruk; nacisk; cisnienie""",
+        pressao de contato; basinc; 压力; 面圧; druk; contactdruk; nacisk; cisnienie; paine; tlak; tryck; 압력; 면압""",
     "power": """heater power; heating power; total power; wattage; leistung; heizleistung; gesamtleistung;
         puissance; puissance de chauffe; potencia; potenza; guc; 功率; 電力; 加热功率; vermogen; moc;
-        moc grzewcza""",
+        moc grzewcza; teho; vykon; effekt; 전력""",
     "thickness": "dicke; epaisseur; espesor; spessore; espessura",
     "height": "hohe; hauteur; altura; altezza",
-    "contact": "kontakt; contacto; contatto; contato",
+    "contact": """kontakt; contacto; contatto; contato; ink; tinte; encre; tinta; touch; touches; beruhrung; kosketus;
+        접촉""",
     **{
         f"{axis}0": "; ".join(f"{word} {axis}; {axis} {word}" for word in ("flat", "undeformed", "undef", "reference",
         "ref", "initial")) for axis in "xy"
@@ -231,7 +236,8 @@ ASIDE = """date; datum; fecha; data; clock; uhrzeit; heure; hora; ora; time of d
         tan d; loss factor; complex viscosity; phase angle; raw phase; speichermodul; verlustmodul; verlustfaktor;
         count; zahler; counter; humidity; luftfeuchte; feuchte; humedad; humidite;
         umidita; umidade; operator; pruefer; prufer; x; y; z; poisson ratio; querkontraktionszahl; area; flache;
-        width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no"""
+        width; breite; ancho; largeur; larghezza; largura; thickness; dicke; unnamed; sr; serial; s no; 날짜;
+        paivamaara; paivays"""
 
 #: Words that machines put beside the name of a channel and that change nothing.
 FILLERS = """analog; analogue; digital; ch; channel; sensor; kanal; canal; canale; raw; filtered; measured; actual;
@@ -288,7 +294,8 @@ TESTS: dict[str, str] = {
         streifenzug; traccion; ensayo de traccion; essai de traction; traction; trazione; prova di trazione;
         tracao; ensaio de tracao; strip tensile; iso 13934 1; iso 37; astm d412; iso 527; astm d5035;
         iso 20932 1; en 14704 1; iso 1798; astm d638; astm d882; 拉伸; 拉伸试验; 単軸引張; 引張; 引張試験; растяжение;
-        cekme testi; cekme deneyi; cekme; trekproef; rozciaganie; proba rozciagania""",
+        cekme testi; cekme deneyi; cekme; trekproef; rozciaganie; proba rozciagania; vetokoe; tahova zkouska; zkouska
+        tahem; dragprov; 인장; 인장시험; 인장 시험""",
 }
 DIRECTIONS: dict[str, str] = {
     "warp": """warp; wale; wales; machine; md; machine direction; length; lengthwise; longitudinal;
@@ -298,13 +305,13 @@ DIRECTIONS: dict[str, str] = {
         langs; langsrichtung; urdimbre; columna; columnas; chaine; sens chaine; colonne; ordito; urdume; teia;
         cozgu; cozgu yonu; 经向; 経; たて; タテ; 経方向; たて方向;
         タテ方向; 经; ketting; kettingrichting; schering; osnowa; kierunek osnowy;
-        wzdluz osnowy""",
+        wzdluz osnowy; loimi; osnova; po osnove; varp; 경사; 경사방향""",
     "weft": """weft; width; fill; filling; course; courses; cd; xd; cross; crosswise; cross machine; cross direction;
         td; transverse; transverse direction; widthwise; schuss; schussrichtung; in schussrichtung;
         reihenrichtung; maschenreihe; quer; querrichtung; trama; pasada; pasadas; trame; sens trame;
         sens travers; rangee; fila; atki; atki yonu; 纬向; 緯; よこ; ヨコ; 緯方向; よこ方向;
         ヨコ方向; 纬; inslag; inslagrichting; watek;
-        kierunek watku; wzdluz watku""",
+        kierunek watku; wzdluz watku; kude; utek; po utku; vaft; 위사; 위사방향""",
     "bias": """bias; bias extension; bias tension; bias direction; bias cut; bias strip; diagonal; diagonal direction;
         schrag; schragrichtung; diagonalrichtung; biais; sens biais; sesgo; al sesgo; sbieco; vies""",
 }

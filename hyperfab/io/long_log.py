@@ -18,7 +18,7 @@ from hyperfab.io.units import KINDS
 _ONE_VALUE = re.compile(r"[ _.](?:ave|avg|average|mean|value|last|mittel|mittelwert)\.?$", re.IGNORECASE)
 #: What reads a probe, with its number, before the name: 101 cup, PT100_cup, TC3 cup; and what names one in brackets.
 _READ_BY = re.compile(
-    r"^(?:(?:ch|tc|pt|ai|t|temp|rtd|thermocouple|sensor|probe|channel|kanal)\.?[ _]?)?\d{0,4}[ _:.-]+", re.I
+    r"^(?:(?:ch|chan|tc|pt|ai|t|temp|rtd|thermocouple|sensor|probe|channel|kanal)\.?[ _]?)?\d{0,4}[ _:.-]+", re.I
 )
 _NAMED = re.compile(r"(?:^|, *)(?:lbl|label|name|tag) *[:=] *([^,]+)", re.IGNORECASE)
 

@@ -28,9 +28,9 @@ def one_of_pages(blocks: Sequence[Block]) -> list[Block]:
 
     >>> head = dict(headings=(), metadata={})
     >>> first = Block(1, rows=[(2, ["0", "5"]), (3, ["1", "7"])], **head)
-    >>> len(one_of_pages([first, Block(4, rows=[(5, ["2", "6"])], **head)]))
+    >>> len(one_of_pages([first, Block(4, rows=[(5, ["2", "8"])], **head)]))
     1
-    >>> len(one_of_pages([first, Block(4, rows=[(5, ["0", "6"])], **head)]))
+    >>> len(one_of_pages([first, Block(4, rows=[(5, ["0", "8"])], **head)]))
     2
     """
     found: list[Block] = []

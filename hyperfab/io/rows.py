@@ -7,7 +7,6 @@ import re
 from collections.abc import Sequence
 
 from hyperfab.errors import InputError
-from hyperfab.io.cells import NO_READING
 
 MAX_ROWS = 400_000
 MAX_COLUMNS = 256
@@ -83,14 +82,13 @@ def split(line: str, separator: str, number: int) -> list[str]:
     return [cell.strip() for cell in cells]
 
 
-def one_word(cells: Sequence[str]) -> bool:
-    """Whether a row says one and the same word of several columns, as DIAdem says their type below their names.
+def are_types(cells: Sequence[str]) -> bool:
+    """Whether a row tells the type of each column, as DIAdem does; below other words may stand what is no reading.
 
-    >>> one_word(["DT_DOUBLE", "DT_DOUBLE", ""]), one_word(["OVER", "OVER"]), one_word(["1", "1"])
-    (True, False, False)
+    >>> are_types(["DT_DATE", "DT_DOUBLE", ""]), are_types(["Float", "Float"])
+    (True, False)
     """
-    filled = [cell for cell in cells if cell]
-    return len(filled) > 1 == len({*filled}) and filled[0][:1].isalpha() and NO_READING.fullmatch(filled[0]) is None
+    return any(cells) and all(re.fullmatch(r"DT_[A-Z]\w*", cell) for cell in cells if cell)
 
 
 _WORDS = re.compile(r'"([^"]*)"|(\S+)')

@@ -12,6 +12,7 @@ from hyperfab.io.headings import heading, unit_behind, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.other_tests import unread
 from hyperfab.io.rows import Row
+from hyperfab.io.sentences import sizes_in_sentence
 
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
 SIZES = (
@@ -22,6 +23,8 @@ SIZES = (
 _OF_A_TEST = re.compile(r"(\btests?|versuche?|prufung|proef)\b|试验|試験|\b(ensayo|essai|prova|ensaio|proba)\b")
 #: What parts the settings of one cell; a comma that no space follows may be a decimal mark.
 _BETWEEN = re.compile(r";|, ")
+#: A decimal comma that parted two cells.
+_SPLIT = re.compile(r"(?<=\d), (?=\d)")
 #: A setting under its group, in a cell of its own: Specimen properties : Width.
 _GROUPED = re.compile(r"[^:=]{1,60}? : ([^:=]+)")
 #: A number, perhaps with a unit behind it; and a name before one.
@@ -88,6 +91,15 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
                 name = "test"
             if name and value and (name not in SIZES or any(map(str.isdigit, value))):
                 found.setdefault("room temperature" if plain(key) in words(_ROOM) else name, []).append(entry)
+    return {**in_sentences([(line, _SPLIT.sub(",", ", ".join(filter(None, row)))) for line, row in rows]), **found}
+
+
+def in_sentences(lines: Sequence[tuple[int, str]]) -> dict[str, list[Entry]]:
+    """Return the sizes that lines of words tell."""
+    found: dict[str, list[Entry]] = {}
+    for line, text in lines:
+        for key, value in sizes_in_sentence(text):
+            found.setdefault(key, []).append(Entry(value, line, sure=False))
     return found
 
 
@@ -110,18 +122,28 @@ def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
         units = [unit_of(below[0][1][one.index].strip("[](){} ")) for one, _ in sized]
         values = []
         for line, cells in below[1:] if all(units) else below:
-            if len(cells) <= widest or not all(is_number(cells[one.index]) for one, _ in sized):
+            if len(cells) <= widest or not all(_is_amount(cells[one.index]) for one, _ in sized):
                 break
             if not is_closing(next(filter(None, cells), "")):
                 values.append((line, cells))
         for (one, key), unit in zip(sized, units, strict=True):
             told = [
-                Entry(f"{cells[one.index]} {unit or one.unit or ''}".strip(), line, sure=False, of=cells[0])
+                Entry(
+                    f"{cell} {'' if unit_behind(cell) else unit or one.unit or ''}".strip(),
+                    line,
+                    sure=False,
+                    of=cells[0],
+                )
                 for line, cells in values
+                for cell in cells[one.index : one.index + 1]
             ]
             alike = len({entry.value for entry in told}) == 1
             found.setdefault(str(key), []).extend([replace(told[0], of="")] if alike else told)
     return found
+
+
+def _is_amount(cell: str) -> bool:
+    return is_number(cell) or unit_behind(cell) is not None
 
 
 def sizes(rows: Sequence[Row]) -> dict[str, list[Entry]]:

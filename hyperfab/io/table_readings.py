@@ -9,7 +9,7 @@ from hyperfab.errors import InputError
 from hyperfab.io.cells import NO_READING, is_number
 from hyperfab.io.dictionary import Meaning, is_closing, plain, setting
 from hyperfab.io.headings import NUMBER_LIKE, Heading, heading, meaning, suffixed
-from hyperfab.io.rows import CELL, MAX_COLUMNS, SEPARATORS, Row, one_word
+from hyperfab.io.rows import CELL, MAX_COLUMNS, SEPARATORS, Row, are_types
 from hyperfab.io.setting_words import SETTINGS
 from hyperfab.io.settings import settings
 from hyperfab.io.tables import Block, is_units, of_specimens
@@ -85,10 +85,10 @@ def _stated_beside(block: Block) -> None:
 def _properties(rows: Sequence[Row]) -> int:
     """How many rows below the head tell of the channels (sensor, calibration) and are named in a column of their own.
 
-    Below them that column is empty, and at least one says in words what stands in numbers there. Or they say the
-    same of all: their type.
+    Below them that column is empty, and at least one says in words what stands in numbers there. Or
+    they tell the type of each.
     """
-    if typed := sum(1 for _ in takewhile(one_word, (cells for _, cells in rows))):
+    if typed := sum(1 for _ in takewhile(are_types, (cells for _, cells in rows))):
         return typed
     count = next((k for k, (_, cells) in enumerate(rows) if not cells[0]), 0)
     if not 0 < count < len(rows) or any(cells[0] for _, cells in rows[count:]):

@@ -177,7 +177,7 @@ def _head(
                 units_known = sum(1 for one in made if one.unit is not None)
                 cost = place + 2 * (upper is not None)
                 first = min(k for k in (above[place], units, upper) if k is not None)
-                apart = 0 if known else len({*titles})  # Min, Max under the name of each channel
+                apart = len({*titles}) if units_known > 1 > known else 0  # Min, Max under the name of each channel
                 options.append(((fits(made), known, units_known, apart, -cost), first, made))
     fitting = [option for option in options if option[0][0]]
     if not fitting and layout.columns:  # by number, where no line names the columns

@@ -48,15 +48,21 @@ def _are_units(head: Heading, cells: Sequence[str], left: Sequence[str]) -> bool
 
 def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int]) -> str | None:
     """Return the unit that stands behind every number of a column, as in 0.5 MPa."""
-    unit = unit_behind(cells[0]) if cells else None
     # Where a machine wrote that there is no reading, no unit is due.
+    first = next((cell for cell in cells if cell and not NO_READING.fullmatch(cell)), "")
+    unit = unit_behind(first)
     whole = unit is not None and all(cell.endswith(unit) or not cell or NO_READING.fullmatch(cell) for cell in cells)
     if unit is None or (head.unit in (None, unit) and whole):
         return unit
     other = next((row for row, cell in enumerate(cells) if unit_behind(cell) not in (None, unit)), None)
     if meaning(head) in (None, Meaning("aside")) or (other is None and head.unit in (None, unit)):
         return None
-    _refuse(head, cells[0], "the head" if other is None else f"{cells[other]} in line {lines[other]}", lines[0])
+    _refuse(
+        head,
+        first,
+        "the head" if other is None else f"{cells[other]} in line {lines[other]}",
+        lines[cells.index(first)],
+    )
     return None
 
 

@@ -652,24 +652,62 @@ def test_a_film_is_as_loud_as_it_is_where_it_reads(count: int) -> None:
     )
 
 
+def test_classes_of_a_film_are_offered_for_no_pressure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film.csv").write_text("x [mm],y [mm],z [mm],class\n1,2,3,0\n2,2,3,4\n3,2,3,2\n")
+    with pytest.raises(InputError, match="is no reading of a press") as caught:
+        read_press(Job("close-loop", [], Console(True)), "film.csv", PLAIN, Counter())
+    assert "--columns" not in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["x [mm],y [mm],ink\n1,2,0\n2,2,1\n", "x [mm];y [mm];Druck [kPa]\n1;2;0\n2;2;3,5\n"])
+def test_a_film_may_tell_no_place_along_the_press(text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "film.csv").write_text(text)
+    found = read_press(Job("close-loop", [], Console(True)), "film.csv", PLAIN, Counter())
+    assert np.isnan(found.places).tolist() == [[False, False, True]] * 2
+    assert found.kind == ("contact" if "ink" in text else "pressure")
+
+
+def test_a_press_tells_where_a_film_without_z_was_laid(press: Path, hf: Run) -> None:
+    film(press, ())
+    whole = (press / "film.csv").read_text().splitlines()
+    (press / "flat.csv").write_text("".join(",".join(row.split(",")[:2] + row.split(",")[3:]) + "\n" for row in whole))
+    found = []
+    for name in ("film.csv", "flat.csv"):
+        done = hf("close-loop", "press.json", "--measured", name, "-o", "-", cwd=press)
+        assert done.returncode == 0, done.stderr.decode()
+        found.append(json.loads(done.stdout))
+    assert found[1]["preparation"] == ["flat.csv: tells no z of its places: each is taken on the male, seen along z"]
+    assert found[1]["verdict"] == found[0]["verdict"]
+    # The film with z was read on the cap, up to 0.05 mm above the facets of its STL.
+    assert found[1]["error"]["after"]["rms"] == pytest.approx(found[0]["error"]["after"]["rms"], rel=0.01)
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [
         (
             "Region,Center X [mm],Center Y [mm],Avg pressure [kPa],Max pressure [kPa],Area [mm2]\nR1,1,2,3,4,5\n",
-            '--columns "Center X [mm]=x [mm],Center Y [mm]=y [mm],Avg pressure [kPa]=pressure [kPa]"; z is how high',
+            '--columns "Center X [mm]=x [mm],Center Y [mm]=y [mm],Avg pressure [kPa]=pressure [kPa]"',
         ),
         (
             "X [mm],Y [mm],Z [mm],Avg pressure [kPa],Max pressure [kPa]\n1,2,0,3,4\n2,2,0,3,5\n",
             '--columns "Avg pressure [kPa]=pressure [kPa]"',
         ),
-        ("x [mm],y [mm],pressure [kPa]\n1,2,3\n", "z is how high the male's STL stands at x, y"),
+        ("x [mm],y [mm],height [mm]\n1,2,3\n", '"z [mm]" (that along the press may lack)'),
+        ("x [mm],y [mm],z [mm],stamp\n1,2,3,0\n2,2,3,1\n", '--columns "stamp=contact"'),
+        (
+            "x [mm],y [mm],z [mm],Tinte\n1,2,3,ja\n2,2,3,nein\n",
+            'line 2, column "Tinte": ja is no number; write 1 for yes',
+        ),
+        ("x [mm],y [mm],z [mm],pressure [kPa]\n1,2,3,<2\n2,2,3,4\n", "<2 is no number; write 0 where less is there"),
         (
             "Film scan\nUnit: MPa\nmm,10,20,30\n10,0.1,0.2,0.3\n20,0.1,0.2,0.3\n30,0.1,0.2,0.4\n",
             'line 3: is a grid of readings, one coordinate above and one beside it; write a row for each place: "x [',
         ),
     ],
-    ids=["no z", "mean and peak", "z alone", "grid"],
+    ids=["no z", "mean and peak", "height", "stamp", "words", "less", "grid"],
 )
 def test_what_a_film_lacks_is_said_with_what_helps(
     text: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

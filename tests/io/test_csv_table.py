@@ -631,7 +631,10 @@ def test_a_reading_that_lacks_has_no_unit_and_two_units_are_told_by_line() -> No
 
 @pytest.mark.parametrize(
     "head",
-    ["Time;cup;base\ns;°C;°C\nDT_DOUBLE;DT_DOUBLE;DT_DOUBLE\n", "Time;cup;base\nReal;Real;Real\ns;°C;°C\n"],
+    [
+        "Time;cup;base\ns;°C;°C\nDT_DOUBLE;DT_DOUBLE;DT_DOUBLE\n",
+        "Time;cup;base\nDT_DATE;DT_DOUBLE;DT_DOUBLE\ns;°C;°C\n",
+    ],
 )
 def test_a_row_of_the_types_of_columns_is_no_reading(head: str) -> None:
     assert log(head + "0;22,5;23\n20;24;25\n")["cup"].tolist() == [22.5, 24.0]
@@ -682,3 +685,10 @@ def test_numbers_of_channels_are_asked_for_by_name() -> None:
 
 def test_a_clock_of_minutes_and_seconds_says_so_in_its_head() -> None:
     assert log("Elapsed (min:s),cup [degC]\n0:00,20\n0:20,21\n")["time"].tolist() == [0.0, 20.0]
+
+
+def test_narrow_blanks_part_thousands() -> None:
+    text = "Tiefe [µm];Kraft [mN]\n800;345,6\n1\u2009600;1\u2009225,8\n2\u202f400;2\u2007000,0\n"
+    table = read_table(text.encode(), "a.csv", {"tiefe": "length", "kraft": "force"})
+    assert table["tiefe"] == pytest.approx([0.8, 1.6, 2.4])
+    assert table["kraft"] == pytest.approx([0.3456, 1.2258, 2.0])

@@ -302,11 +302,11 @@ def test_a_gauge_length_is_between_marks(name: str) -> None:
 
 def test_the_one_length_of_no_known_name_is_offered_as_the_gauge_length() -> None:
     rows = "".join(f"{way};{force}\n" for way, force in ROWS)
-    above = "Tensile test\nZkusebni delka;100;mm\nBatch;7\nWidth;50;mm\n"
-    with pytest.raises(InputError, match="line 2 says zkusebni delka: 100 mm; if that is it, --gauge-length 100mm"):
+    above = "Tensile test\nVizsgalati hossz;100;mm\nBatch;7\nWidth;50;mm\n"
+    with pytest.raises(InputError, match="line 2 says vizsgalati hossz: 100 mm; if that is it, --gauge-length 100mm"):
         read(f"{above}\nExtension [mm];Load [N]\n{rows}")
     with pytest.raises(InputError, match="give --gauge-length 50mm"):
-        read(f"{above}Upinaci delka;150;mm\n\nExtension [mm];Load [N]\n{rows}")
+        read(f"{above}Befogasi hossz;150;mm\n\nExtension [mm];Load [N]\n{rows}")
 
 
 @pytest.mark.parametrize(
@@ -322,3 +322,51 @@ def test_lines_above_are_parted_in_a_way_of_their_own(above: str) -> None:
     rows = "".join(f"{way}\t{force}\n" for way, force in ROWS)
     [found] = read(f"Tensile test\n{above}\n\nExtension [mm]\tLoad [N]\n{rows}")
     assert is_strip(found)
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Jersey K7. Gauge length 100 mm, width 50mm\nStrips of 0.8 mm thickness were pulled at 100 mm/min\n",
+        "# Gauge length was 100 mm and width 50 mm, thickness 0.8 mm\n",
+        "Sample: strip, gauge length 100 mm, width 50mm, thickness 0.8 mm; speed 100 mm/min.\n",
+        "Strips 50 mm wide, 0.8 mm thick, benchmarks 100 mm apart\n",
+        "Prüfbericht 17: Streifen 50 mm breit, 0,8 mm dick, Einspannlänge 100 mm\n",
+    ],
+)
+@pytest.mark.parametrize("mark", [";", "\t", ",", "  "])
+def test_sizes_stand_in_a_sentence(above: str, mark: str) -> None:
+    """They were asked for, with sizes of another strip in the option that was shown."""
+    rows = "".join(f"{way}{mark}{force}\n" for way, force in ROWS)
+    [found] = read_tests(f"{above}\nExtension [mm]{mark}Load [N]\n{rows}".encode(), "a.csv", test="uniaxial")
+    assert is_strip(found)
+
+
+def test_a_small_table_may_have_its_units_in_the_cells() -> None:
+    rows = "".join(f"{way};{force}\n" for way, force in ROWS)
+    above = "Sample;Width;Thickness;Gauge length\nK7;50 mm;0.8 mm;100 mm\n"
+    [found] = read_tests(f"{above}\nExtension [mm];Load [N]\n{rows}".encode(), "a.csv", test="uniaxial")
+    assert is_strip(found)
+
+
+def test_specimens_of_one_sample_are_each_their_own() -> None:
+    """Both were called after the sample, one specimen."""
+    rows = "".join(f"{way};{force};{way};{force}\n" for way, force in ROWS)
+    text = f"Sample: K7\nWidth;50;mm\nThickness;0.8;mm\nGauge length;100;mm\n{'Extension [mm];Load [N];' * 2}\n{rows}"
+    found = read_tests(text.encode(), "a.csv", test="uniaxial")
+    assert [one.specimen for one in found] == ["K7 1", "K7 2"]
+
+
+@pytest.mark.parametrize(
+    "above",
+    [
+        "Grip width 50 mm\n",
+        "Jaws 50 mm wide, strips cut along the warp\n",
+        "Width change 50 mm\n",
+        "Strips 50 mm long\n",
+    ],
+)
+def test_what_is_no_width_of_the_strip_is_not_taken_from_a_sentence(above: str) -> None:
+    rows = "".join(f"{way};{force}\n" for way, force in ROWS)
+    with pytest.raises(InputError, match="needs the width"):
+        read_tests(f"{above}Gauge length;100;mm\nExtension [mm];Load [N]\n{rows}".encode(), "a.csv", test="uniaxial")

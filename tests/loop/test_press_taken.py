@@ -15,7 +15,7 @@ from hyperfab.arrays import Array
 from hyperfab.cases.options import read
 from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.press import closed_press
-from hyperfab.chapters.close_loop.press_places import on_front, told_of_places
+from hyperfab.chapters.close_loop.press_places import on_front, told_of_places, with_heights
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.press_contact.result import PressResult
 from hyperfab.console import Console
@@ -100,3 +100,23 @@ def test_what_is_no_shift_is_not_told(kind: str) -> None:
         "few": male(6) + 0.5 * random.standard_normal((6, 3)),
     }[kind]
     assert told_of_places(told(), film(places)) == ([], [])
+
+
+def test_places_without_a_height_are_those_of_the_male_seen_along_the_press() -> None:
+    flat = male() * [1.0, 1.0, np.nan]
+    found = with_heights(told(), film(flat)).places
+    assert found is not None
+    assert found[:, :2].tolist() == flat[:, :2].tolist()
+    # Within the facets of the STL, which lie below the cap.
+    assert np.max(np.abs(found - male())) < 0.05
+    whole = film(male())
+    assert with_heights(told(), whole) is whole
+
+
+def test_what_the_male_cannot_tell_of_a_place_is_refused() -> None:
+    beyond = male()
+    beyond[7] = [0.0, 1.5 * caps.REACH, np.nan]
+    with pytest.raises(InputError, match=r"the place \(0, [\d.]+\) mm is beyond the molding surface .* along z"):
+        with_heights(told(), film(beyond * [1.0, 1.0, np.nan]))
+    with pytest.raises(InputError, match="only a place's z, along which the press closes"):
+        with_heights(told(), film(male() * [np.nan, 1.0, 1.0]))

@@ -15,9 +15,9 @@ from hyperfab.cases.press import PressCase
 from hyperfab.chapters.close_loop.domain import Given
 from hyperfab.chapters.close_loop.extended_press import FOAM, SET, extend
 from hyperfab.chapters.close_loop.finalise import MODEL_SUFFIXES, finish
-from hyperfab.chapters.close_loop.press_places import on_front, told_of_places
+from hyperfab.chapters.close_loop.press_places import on_front, told_of_places, with_heights
+from hyperfab.chapters.close_loop.readings import Files, spread, stated_in, unread
 from hyperfab.chapters.close_loop.readings import read_files as read_measured
-from hyperfab.chapters.close_loop.readings import spread, stated_in, unread
 from hyperfab.chapters.close_loop.taken import AS_READ, at_places, once, past_touch, pushed, specimens
 from hyperfab.chapters.close_loop.upstream_written import WRITTEN
 from hyperfab.chapters.fit.prepare import Steps
@@ -32,6 +32,7 @@ from hyperfab.chapters.press_contact.warmth import column_of
 from hyperfab.chapters.rerun import Listener, check_unchanged, unchanged
 from hyperfab.documents.foam import MaterialLaw
 from hyperfab.errors import InputError, UsageError
+from hyperfab.io.cells import plain_values
 from hyperfab.io.csv_table import Table, read_tables
 from hyperfab.io.dictionary import plain
 from hyperfab.io.headings import is_of, meaning
@@ -76,6 +77,7 @@ def run(job: Job, given: Given) -> int:
     with job.console.progress("Closing the loop") as advance:
         advance(0.05, "the model")
         told, warnings = closed_press(job, made.case)
+        files = _with_heights(told, files)
         for one in files.measured:
             if one.temperature is not None:
                 note_temperature(job, made.case.foam, told.model.files.document, one.temperature)
@@ -102,6 +104,19 @@ def run(job: Job, given: Given) -> int:
         warnings=warnings,
         upstream=upstream,
     )
+
+
+def _with_heights(told: PressResult, files: Files[Reading]) -> Files[Reading]:
+    """Return files with every coordinate of their places, which is told where the male gives one."""
+    found = {one.name: with_heights(told, one) for one in [*files.measured, *files.apart]}
+    axis = told.frame.axis
+    said = [
+        f"{one.name}: tells no {axis} of its places: each is taken on the male, seen along {axis}"
+        for one in [*files.measured, *files.apart]
+        if found[one.name] is not one
+    ]
+    measured, apart = ([found[one.name] for one in part] for part in (files.measured, files.apart))
+    return replace(files, measured=measured, apart=apart, preparation=[*files.preparation, *said])
 
 
 def closed_press(job: Job, case: PressCase) -> tuple[PressResult, list[str]]:
@@ -140,9 +155,10 @@ def read_press(job: Job, name: str, layout: Layout, left_out: Counter[str], step
         if "stroke" in table and "force" in table:
             kind, table = "force", pushed(job, table, "stroke", steps)
             table = once(table, (kind, "force sd"), left_out, along="stroke")
-        elif "x" in table:
+        elif any(axis in table for axis in "xyz"):
             table = once(table, (kind, f"{kind} sd"), left_out)
-            places = np.stack([table[axis] for axis in "xyz"], axis=1)
+            lacks = np.full(len(table.lines), np.nan)
+            places = np.stack([table.columns.get(axis, lacks) for axis in "xyz"], axis=1)
         else:
             kind, table = "thickness", once(table, ("thickness", "thickness sd"), left_out, along="pressure")
             load = table["pressure"]
@@ -166,19 +182,18 @@ def _parts(table: Table) -> list[Table]:
     kinds = [kind for kind in _COLUMNS if kind in table]
     if "stroke" in table and "force" in table:
         return specimens(table, "stroke")
-    if "pressure" in table and "thickness" in table and "x" not in table:
+    if "pressure" in table and "thickness" in table and not any(axis in table for axis in "xyz"):
         return [table]
-    if all(axis in table for axis in "xyz") and len(kinds) == 1:
-        return at_places(table, "xyz")
-    unknown = _likely(table) if not kinds or "x" not in table else []
-    flat = "z" not in table and all(axis in table or axis in {told[:1] for _, told in unknown} for axis in "xy")
+    where = [axis for axis in "xyz" if axis in table]
+    if len(kinds) == 1 and len(where) >= (3 if kinds == ["height"] else 2):
+        return at_places(table, where)
+    unknown = _likely(table) if not kinds or not where else []
     raise InputError(
         "is no reading of a press",
         file=table.name,
-        remedy='give "x [mm]", "y [mm]", "z [mm]" with one of "pressure [MPa]", "contact", "thickness [mm]", '
-        '"formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
-        + (f"; or say which it is, as in {table.option(unknown)}" if unknown else "")
-        + ("; z is how high the male's STL stands at x, y" if flat else ""),
+        remedy='give "x [mm]", "y [mm]", "z [mm]" (that along the press may lack) with one of "pressure [MPa]", '
+        '"contact", "thickness [mm]", "formed thickness [mm]" or "height [mm]", or "stroke [mm]" with "force [N]"'
+        + (f"; or say which it is, as in {table.option(unknown)}" if unknown else ""),
     )
 
 
@@ -194,12 +209,20 @@ def _likely(table: Table) -> list[tuple[str, str]]:
         if name is not None and one not in found.values():
             found.setdefault(name, one)
     bare = [
-        (one.title, "pressure [MPa]")
-        for one in heads[-1:]
-        if one.unit is None and meaning(one) is None and (placed or axes)
+        (one.title, shown)
+        for one, cells in [*zip(heads, table.cells, strict=True)][-1:]
+        if one.unit is None and meaning(one) is None and (placed or axes) and (shown := _shown(cells))
     ]
     told = [(one, name) for one in heads for name, other in found.items() if other is one]
     return [(one.title, f"{name} [{one.unit or 'mm'}]") for one, name in told] or bare
+
+
+def _shown(cells: Sequence[str]) -> str:
+    """Return what a film without a unit likely shows: a contact in 0 and 1; nothing for words and for classes."""
+    values = set(plain_values(cells))
+    if values == {0.0, 1.0}:
+        return "contact"
+    return "pressure [MPa]" if any(not one.is_integer() for one in values) else ""
 
 
 def _time(table: Table) -> Array | None:

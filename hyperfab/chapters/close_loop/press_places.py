@@ -130,6 +130,33 @@ def _weights(surface: Surface, near: Nearest) -> Array:
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
+def with_heights(told: PressResult, reading: Reading) -> Reading:
+    """Return a reading whose places tell no coordinate along the press's axis (nan) with that of the male's front,
+    seen along the axis; InputError where another coordinate lacks, or a place is beyond the front."""
+    if reading.places is None or np.all(np.isfinite(reading.places)):
+        return reading
+    places = told.frame.inward(reading.places)
+    if not np.all(np.isfinite(places[:, :2])):
+        raise InputError(
+            f"only a place's {told.frame.axis}, along which the press closes, can be taken from the male",
+            file=reading.name,
+            remedy=f"give {' and '.join(told.frame.plan)} of each place",
+        )
+    front = Surface(told.closed.cold, told.closed.front.faces)
+    above = float(told.closed.cold[:, 2].max()) + 1.0
+    starts = np.column_stack([places[:, :2], np.full(len(places), above)])
+    depth, face = front.ray(starts, np.array([0.0, 0.0, -1.0]))
+    for row in np.flatnonzero(face < 0)[:1]:
+        first, second = told.frame.outward(starts)[row, ["xyz".index(one) for one in told.frame.plan]]
+        raise InputError(
+            f"the place ({first:.4g}, {second:.4g}) mm is beyond the molding surface of the male, seen along "
+            f"{told.frame.axis}",
+            file=reading.name,
+            remedy=_REMEDY,
+        )
+    return replace(reading, places=told.frame.outward(np.column_stack([places[:, :2], above - depth])))
+
+
 def on_front(told: PressResult, reading: Reading) -> Reading:
     """Return a reading at places with the corners (m, 3) of the facets nearest to them, and their weights on these.
 
