@@ -256,7 +256,9 @@ def _rows(body: list[tuple[int, str]], separator: str) -> list[Row]:
     rows = [(number, split(text, separator, number)) for number, text in body]
     if separator != " ":
         return rows
-    reads = [is_data(cells) and 2 * sum(map(_reads, cells)) >= len(cells) for _, cells in rows]  # else a sentence
+    data = [is_data(cells) for _, cells in rows]
+    reads = [one and 2 * sum(map(_reads, cells)) >= len(cells) for one, (_, cells) in zip(data, rows, strict=True)]
+    reads = reads if any(reads) else data  # others are sentences
     widths = Counter(len(cells) for (_, cells), one in zip(rows, reads, strict=True) if one)
     if not widths:
         return rows

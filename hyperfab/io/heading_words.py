@@ -204,10 +204,11 @@ READINGS: dict[str, str] = {
         접촉""",
     **{
         f"{axis}0": "; ".join(f"{word} {axis}; {axis} {word}" for word in ("flat", "undeformed", "undef", "reference",
-        "ref", "initial")) for axis in "xy"
+        "ref", "initial", "inicial")) + f"; {axis}ref" for axis in "xy"
     },
     **{
-        axis: f"draped {axis}; deformed {axis}; {axis} draped; {axis} deformed; {axis} def; {axis} coordinate; "
+        axis: f"draped {axis}; deformed {axis}; {axis} draped; {axis} deformed; {axis} def; {axis}def; {axis} final; "
+        f"{axis} coordinate; "
         f"coordinate {axis}; coord {axis}" for axis in "xyz"
     },
     **{

@@ -33,7 +33,7 @@ BULGED = (
 #: Words of what is read off a whole curve.
 _OF_RESULTS = re.compile(
     r"\b(max\w*|fmax|peak|break\w*|rupture|failure|yield|strength|toughness|modulus|e modul\w*|hochst\w*|bruch\w*|"
-    r"reiss\w*|\w*festigkeit|rottura|rotura|ruptura|massim\w|resisten\w*|resistance)\b"
+    r"reiss\w*|\w*festigkeit|lt|wt|emt|2hg5?|2hb|miu|mmd|smd|lc|wc|rottura|rotura|ruptura|massim\w|resisten\w*|resistance)\b"
 )
 #: What is said of a table of them, and what to do.
 RESULTS = "results, a row a specimen, and hf reads the curves behind them"

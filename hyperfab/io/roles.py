@@ -192,6 +192,7 @@ def roles(sheet: CsvSheet) -> Roles:
     _still_out(sheet, found, aside)
     _of_machine_or_gauge(sheet, found)
     _pressure(sheet, found, aside)
+    _of_four_arms(sheet, found)
     columns = {name: _one_of(sheet, name, ones) for name, ones in found.items() if ones}
     for ones in found.values():
         best = min((rank for rank, _ in ones), default=0)
@@ -320,6 +321,28 @@ def _pressure(sheet: CsvSheet, found: dict[str, list[tuple[int, Column]]], aside
         if head.title in aside and plain(head.label) in words(heading_words.PRESSURES):
             aside.remove(head.title)
             found.setdefault("stress", []).append((0, Column("stress", head, compressive=True)))
+
+
+def _of_four_arms(sheet: CsvSheet, found: Mapping[str, list[tuple[int, Column]]]) -> None:
+    """Refuse to take the second of forces that are numbered further for that of the second axis: of a cross of four
+    arms two are of one axis, and how they are numbered is not told."""
+    second = next((one.heading for rank, one in found.get("force 2", []) if rank >= 0), None)
+    match = None if second is None else re.fullmatch(r"(.*?) ?2", plain(second.label))
+    if match is None or not any(name.endswith((" 2", " y")) for name in found if name != "force 2"):
+        return
+    stem = match[1]
+    arms = [one for one in sheet.headings if re.fullmatch(rf"{re.escape(stem)} ?[1-4]", plain(one.label))]
+    if len(arms) > 2:
+        told = [f"{name} [{arms[0].unit or 'N'}]" for name in ("force", "force 2")]
+        options = (
+            sheet.option([(arm.title, told[pair.index(k)] if k in pair else "aside") for k, arm in enumerate(arms)])
+            for pair in ((0, 1), (0, 2))
+        )
+        first, third = options
+        raise sheet.wrong(
+            f"{arms[0].title} to {arms[-1].title}: which are along one axis?",
+            remedy=f"say {first} where neighbours in number are of two axes, {third} where they are of one",
+        )
 
 
 def _one_of(sheet: CsvSheet, name: str, found: list[tuple[int, Column]]) -> Column:

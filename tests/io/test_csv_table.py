@@ -692,3 +692,11 @@ def test_narrow_blanks_part_thousands() -> None:
     table = read_table(text.encode(), "a.csv", {"tiefe": "length", "kraft": "force"})
     assert table["tiefe"] == pytest.approx([0.8, 1.6, 2.4])
     assert table["kraft"] == pytest.approx([0.3456, 1.2258, 2.0])
+
+
+@pytest.mark.parametrize("heads", ["Xref,Yref,Xdef,Ydef,Zdef", "x inicial,y inicial,x final,y final,z final"])
+def test_markers_may_be_called_first_and_last(heads: str) -> None:
+    table = read_table(
+        f"{heads}\nmm,mm,mm,mm,mm\n1,2,3,4,5\n".encode(), "a.csv", dict.fromkeys(("x0", "y0", *"xyz"), "length")
+    )
+    assert [float(table[one][0]) for one in ("x0", "y0", *"xyz")] == [1.0, 2.0, 3.0, 4.0, 5.0]

@@ -116,3 +116,10 @@ def test_results_of_specimens_are_no_curve(above: str) -> None:
     with pytest.raises(InputError, match=r"a row a specimen, and hf reads the curves behind them") as caught:
         read(f"{above}\n{cut}\n", test="uniaxial", geometry=STRIP)
     assert "--columns" not in str(caught.value)
+
+
+def test_a_ledger_of_kawabatas_figures_is_a_table_of_results() -> None:
+    """The linearity was offered as the strain, the work as the stress."""
+    text = "Sample,LT [-],WT [gf.cm/cm2],RT [%],EMT [%]\nK7-1,0.81,12.1,45.2,22.1\nK7-2,0.80,12.3,45.6,22.4\n"
+    with pytest.raises(InputError, match="results, a row a specimen, and hf reads the curves behind them"):
+        read_tests(text.encode(), "kes.csv", test="uniaxial")

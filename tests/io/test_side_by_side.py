@@ -175,3 +175,17 @@ def test_a_width_that_is_drawn_in_is_of_the_same_strip() -> None:
     [found] = read_tests(b"# width: 50 mm\n" + data, "a.csv", test="uniaxial")
     assert found.stretch2 is not None
     assert found.stretch2[-1] == pytest.approx(0.92)
+
+
+def test_forces_of_four_arms_are_asked_for() -> None:
+    """The second, which pulls against the first or across it, was taken for that of the second axis."""
+    rows = "".join(f"{k},{k},{2 * k},{2 * k},{10 * k},{5 * k}\n" for k in range(5))
+    text = f"# width: 40 mm\n# thickness: 1 mm\nF1 [N],F2 [N],F3 [N],F4 [N],strain x [%],strain y [%]\n{rows}"
+    told = layout(["strain x [%]=strain,strain y [%]=strain 2"])
+    with pytest.raises(InputError, match=r"F1 \[N\] to F4 \[N\]: which are along one axis") as caught:
+        read_tests(text.encode(), "a.csv", test="biaxial", columns=told)
+    _, option = re.findall(r'--columns "([^"]*)"', str(caught.value))
+    [found] = read_tests(text.encode(), "a.csv", test="biaxial", columns=layout([option]))
+    assert found.mode == "biaxial-general"
+    assert found.stress2 is not None
+    assert found.stress2 == pytest.approx(2.0 * found.stress)

@@ -50,6 +50,8 @@ _COLUMNS = {
     "formed thickness": "length",
     "height": "length",
 }
+#: Colours of films are told apart in so many classes at most.
+_CLASSES = 10.0
 _PEAK = {"peak", "max", "maximum", "spitze"}
 _OTHER: dict[str, Kind] = {"formed thickness": "formed", "height": "mounting"}
 
@@ -222,7 +224,8 @@ def _shown(cells: Sequence[str]) -> str:
     values = set(plain_values(cells))
     if values == {0.0, 1.0}:
         return "contact"
-    return "pressure [MPa]" if any(not one.is_integer() for one in values) else ""
+    classes = not values or (len(values) > 1 and all(one.is_integer() and 0.0 <= one <= _CLASSES for one in values))
+    return "" if classes else "pressure [MPa]"
 
 
 def _time(table: Table) -> Array | None:
