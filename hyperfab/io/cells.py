@@ -26,6 +26,12 @@ NO_READING = re.compile(
     re.IGNORECASE,
 )
 
+#: What to write in place of cells that say something, and no number.
+INSTEAD = (
+    (re.compile(r"yes|no|ja|nein|oui|non|s[ií]|n[aã]o|sim|true|false", re.IGNORECASE), "write 1 for yes and 0 for no"),
+    (re.compile(r"[<≤] ?[\d.,]+"), "write 0 where less is there than the instrument shows"),
+)
+
 
 def is_number(cell: str) -> bool:
     """Whether a cell looks like a number in any country's writing."""

@@ -14,9 +14,10 @@ import numpy as np
 
 from hyperfab.arrays import Array
 from hyperfab.errors import InputError
-from hyperfab.io.cells import MOMENT, NO_READING, SPELLED, plain_values
+from hyperfab.io.cells import INSTEAD, MOMENT, NO_READING, SPELLED, plain_values
 from hyperfab.io.csv_sheet import CsvSheet
 from hyperfab.io.headings import COUNTED, Heading, unit_of
+from hyperfab.io.rows import CELL
 from hyperfab.io.unit_table import UnitError
 from hyperfab.io.units import KINDS, column_factor
 
@@ -188,8 +189,12 @@ def quantities(
     if wanted.unit == "1" and heading.unit in (None, "-", "1") and _all_percent(sheet.columns[heading.index]):
         heading = replace(heading, unit="%")
     if heading.unit is None and wanted.unit != "1":
-        days = kind == "time" and any(
-            _DAYS[0] < one < _DAYS[1] for one in plain_values(sheet.columns[heading.index][:1])
+        told = plain_values(sheet.columns[heading.index])
+        # A workbook keeps a time of day as a share of the day.
+        days = (
+            kind == "time"
+            and bool(told)
+            and (_DAYS[0] < told[0] < _DAYS[1] or (sheet.separator == CELL and 0.0 <= min(told) <= max(told) < 1.0))
         )
         unit = "d" if days else wanted.unit
         raise sheet.wrong(
@@ -386,14 +391,7 @@ def _number(cell: str, sheet: CsvSheet, heading: Heading, row: int, decimal: str
     raise _bad_cell("is no number", cell, sheet, heading, row)
 
 
-#: What to write in place of cells that say something, and no number.
-_INSTEAD = (
-    (re.compile(r"yes|no|ja|nein|oui|non|s[ií]|n[aã]o|sim|true|false", re.IGNORECASE), "write 1 for yes and 0 for no"),
-    (re.compile(r"[<≤] ?[\d.,]+"), "write 0 where less is there than the instrument shows"),
-)
-
-
 def _bad_cell(what: str, cell: str, sheet: CsvSheet, heading: Heading, row: int) -> InputError:
     shown = cell if len(cell) <= 40 else cell[:37] + "..."
-    remedy = next((told for form, told in _INSTEAD if form.fullmatch(cell)), "correct the cell or delete the row")
+    remedy = next((told for form, told in INSTEAD if form.fullmatch(cell)), "correct the cell or delete the row")
     return sheet.wrong(f"{shown or 'the cell'} {what}", heading, row=row, remedy=remedy)

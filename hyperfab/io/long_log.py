@@ -46,7 +46,8 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
     known = [one for one in words if any(map(probe, {*sheet.columns[one.index]}))]
     if len(named := known or words) != 1:
         counted = [one for one in sheet.headings if one not in words and _names(sheet.columns[one.index], times, True)]
-        if not words and len(counted) == 1 and counted[0].unit is None and len({*times}) < len(times):
+        wide = any(fold(called_by(suffixed(one), called)) in probes for one in sheet.headings)  # else of several runs
+        if not (words or wide) and len(counted) == 1 and counted[0].unit is None and len({*times}) < len(times):
             raise sheet.wrong(
                 "numbers what was read at the same times",
                 counted[0],

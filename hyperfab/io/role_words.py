@@ -136,7 +136,10 @@ def _gainsaid(head: Heading) -> bool:
 
 
 def _two_axes(sheet: CsvSheet, have: set[str], rest: Sequence[Heading]) -> bool:
-    """Whether a table is likely one of a general biaxial test: two stretches stand in it, known or by their size."""
+    """Whether a table is likely one of a general biaxial test: two stretches stand in it, known or by their size,
+    or two forces."""
+    if any(name.endswith(" 2") and name.removesuffix(" 2") in STRESSES for name in have):
+        return True
     if any(name.removesuffix(" 2") in STRETCHES for name in have):
         return any(name.endswith(" 2") and name.removesuffix(" 2") in STRETCHES for name in have)
     return len(rest) > 1 and all(shape(sheet.columns[one.index], one.title) == "stretch" for one in rest[:2])

@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import pytest
+from machine_exports import workbook
 
 from hyperfab.errors import InputError, UsageError
 from hyperfab.io.csv_table import Table, read_table
@@ -570,6 +571,7 @@ def test_what_is_no_probe_in_a_long_log_may_be_set_aside() -> None:
         ("Milliseconds,cup [degC]\n0,20\n1000,21\n", '"Milliseconds=time [ms]"'),
         ("time [s],flow,cup [degC]\n0,1,20\n0,2,21\n", "sort the rows, each value once"),
         ("Run,time [s],cup [degC]\n1,0,20\n1,1,21\n2,0,20\n", "keep the rows of one Run"),
+        ("Run,time [s],cup [degC]\n1,0,20\n1,1,21\n2,0,20\n2,1,21\n", "keep the rows of one Run"),
     ],
 )  # fmt: skip
 def test_what_a_log_lacks_is_shown_with_its_own_columns(log: str, said: str) -> None:
@@ -700,3 +702,11 @@ def test_markers_may_be_called_first_and_last(heads: str) -> None:
         f"{heads}\nmm,mm,mm,mm,mm\n1,2,3,4,5\n".encode(), "a.csv", dict.fromkeys(("x0", "y0", *"xyz"), "length")
     )
     assert [float(table[one][0]) for one in ("x0", "y0", *"xyz")] == [1.0, 2.0, 3.0, 4.0, 5.0]
+
+
+def test_a_time_of_day_that_a_workbook_keeps_as_a_share_is_offered_as_days() -> None:
+    """It was offered as seconds."""
+    rows = [[(f"{0.4 + 0.0001 * k:.4f}",), (f"{20 + k}",)] for k in range(3)]
+    data = workbook({"Log": [["Time", "cup [degC]"], *rows]})
+    with pytest.raises(InputError, match=r'--columns "Time=time \[d\]"'):
+        read_table(data, "log.xlsx", {"time": "time"}, layout=PLAIN, **LONG)  # type: ignore[arg-type]

@@ -189,3 +189,12 @@ def test_forces_of_four_arms_are_asked_for() -> None:
     assert found.mode == "biaxial-general"
     assert found.stress2 is not None
     assert found.stress2 == pytest.approx(2.0 * found.stress)
+
+
+def test_of_a_test_with_two_forces_both_elongations_are_offered() -> None:
+    """The first alone was, and pasted, no option was shown for the second."""
+    rows = "".join(f"{k},{2 * k},{k},{2 * k}\n" for k in range(5))
+    text = f"# width: 40 mm\n# thickness: 1 mm\n# gauge length: 60 mm\nFx [N],Fy [N],dx [mm],dy [mm]\n{rows}"
+    found = as_told(text.encode(), test="biaxial")
+    assert found[0].mode == "biaxial-general"
+    assert found[0].stretch2 == pytest.approx(1.0 + np.arange(0.0, 10.0, 2.0) / 60.0)
