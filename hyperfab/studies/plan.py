@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import hyperfab
 from hyperfab.documents.study import DocumentSection, StepSection, StudyDocument
@@ -154,7 +154,7 @@ class Plan:
                 word = fill(text, {**texts, **places}, numbers)
                 symbol = fill(text, {**texts, **symbols}, numbers)
             found = self.files.find(word)
-            words.append(word if found is None else found.text)
+            words.append("".join(found or word))
             identity.append(symbol if found is None else self._file(found))
         key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
@@ -175,8 +175,7 @@ class Plan:
         place = f"document.{name}.set"
 
         def put(text: str) -> str:
-            filled = fill(text, texts, numbers)
-            return self.files.whole(filled)
+            return self.files.whole(fill(text, texts, numbers))
 
         for key, value in section.set.items():
             with placed(key=f"{place}.{key}"):
@@ -249,18 +248,12 @@ def _hash(value: object) -> str:
 _NAMING = re.compile(r"(--[a-z][a-z0-9-]*=)?(.+?)((?<=\.json|\.xlsx):[^/\\:]+)?", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Named:
+class Named(NamedTuple):
     """A file that a word names: the option before it, its absolute path, and what is meant of it behind."""
 
     before: str
     path: str
     behind: str
-
-    @property
-    def text(self) -> str:
-        """The word, its file named from anywhere."""
-        return self.before + self.path + self.behind
 
 
 #: Documents may name documents; nobody nests them deeper.
@@ -289,8 +282,7 @@ class FileKnowledge:
 
     def whole(self, text: str, folder: str | None = None) -> str:
         """Return ``text`` with the file that it names named from anywhere."""
-        found = self.find(text, folder)
-        return text if found is None else found.text
+        return "".join(self.find(text, folder) or text)
 
     def digest(self, path: str, depth: int = 0) -> str:
         """Return the hash of a file and of every file that it names, if it is a document."""

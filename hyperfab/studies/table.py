@@ -73,20 +73,15 @@ def columns_of(plan: Plan) -> list[str]:
     What stands in one column for two would be taken for either.
     """
     study = plan.study
-    whose = [(axis.column, f"axis.{axis.name}") for axis in plan.axes]
-    whose += [(name, f"figures.{name}") for name in study.figures]
-    own = [("case", ""), ("status", ""), ("failed_step", ""), ("message", "")]
-    own += [("within_limits", "")] if study.limit else []
-    own += [(f"{step.name}_document", "") for step in study.step]
-    first: dict[str, str] = dict(own)
-    for name, key in whose:
-        if name in first:
-            other = f"the column of {first[name]}" if first[name] else "a column that every table has"
-            raise InputError(f"is the column {name}, {other}", key=key, remedy="give one of them another name")
-        first[name] = key
-    names = ["case", *(axis.column for axis in plan.axes), "status", *study.figures]
-    names += ["within_limits"] if study.limit else []
-    names += ["failed_step", "message", *(f"{step.name}_document" for step in study.step)]
+    own = [*(["within_limits"] if study.limit else []), "failed_step", "message"]
+    own += [f"{step.name}_document" for step in study.step]
+    known = dict.fromkeys(["case", "status", *own], "a column that every table has")
+    axes, figures = [(axis.column, f"axis.{axis.name}") for axis in plan.axes], study.figures
+    for name, key in [*axes, *((name, f"figures.{name}") for name in figures)]:
+        if name in known:
+            raise InputError(f"is the column {name}, {known[name]}", key=key, remedy="give one of them another name")
+        known[name] = f"the column of {key}"
+    names = ["case", *dict(axes), "status", *figures, *own]
     return names + ([] if NUMBER in names else [NUMBER])  # last: what reads the table by place finds all where it was
 
 
