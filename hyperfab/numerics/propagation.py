@@ -171,6 +171,13 @@ class Spread:
         return np.sqrt(self._squares / max(self._count - 1, 1))
 
 
+def _normal_end() -> float:
+    """Return how many standard deviations off its mean the interval of a normal distribution ends."""
+    from scipy.special import ndtri
+
+    return float(ndtri(0.5 + 0.5 * LEVEL))
+
+
 def ends(effects: Mapping[str, Array]) -> list[Array]:
     """Return the places (r,), over standard deviations of each direction, where results are to be asked whether they go
     straight: both ends of the interval of each result, at the most probable place that has it there.
@@ -180,14 +187,12 @@ def ends(effects: Mapping[str, Array]) -> list[Array]:
     >>> [place.round(2).tolist() for place in ends({"force": np.array([1.0, 0.0]), "work": np.array([2.0, 0.02])})]
     [[1.96, 0.0], [-1.96, -0.0]]
     """
-    from scipy.special import ndtri
-
     ways: list[Array] = []
     for along in effects.values():
         size = float(np.linalg.norm(along))
         if size > 0.0 and all(abs(along @ way) < _SAME_WAY * size for way in ways):
             ways.append(along / size)
-    return [sign * float(ndtri(0.5 + 0.5 * LEVEL)) * way for way in ways for sign in (1.0, -1.0)]
+    return [sign * _normal_end() * way for way in ways for sign in (1.0, -1.0)]
 
 
 def bent(linear_sd: float, off: Array) -> bool:
@@ -208,9 +213,7 @@ def curved(value: float, band: Band, low: float, high: float) -> Band:
     >>> round(band.low, 2), round(band.high, 2)
     (8.14, 12.16)
     """
-    from scipy.special import ndtri
-
-    normal = float(ndtri(0.5 + 0.5 * LEVEL)) * band.sd
+    normal = _normal_end() * band.sd
     if normal == 0.0:
         return band
     further = ((band.high - value) / normal) ** 2
@@ -230,12 +233,9 @@ def bowed(value: float, band: Band, along: Array, bends: Array) -> Band:
     8.42 12.34
     8.04 13.5
     """
-    from scipy.special import ndtri
-
-    normal = float(ndtri(0.5 + 0.5 * LEVEL))
-    away = normal**2 * float(along**2 @ bends) / max(float(along @ along), 1e-300)
+    away = _normal_end() ** 2 * float(along**2 @ bends) / max(float(along @ along), 1e-300)
     found = curved(value, band, away, away)
-    if abs(away) <= 0.5 * normal * band.sd:
+    if abs(away) <= 0.5 * _normal_end() * band.sd:
         return found
     return replace(found, low=min(found.low, band.low), high=max(found.high, band.high))
 
@@ -247,10 +247,8 @@ def off_by_bends(along: Array, bends: Array) -> float:
     >>> round(off_by_bends(np.array([1.0, 0.0]), np.array([0.1, 0.2])), 2)  # 0.1 times 1.96 squared, and 0.2
     0.58
     """
-    from scipy.special import ndtri
-
     share = along**2 / max(float(along @ along), 1e-300)
-    return float(np.sum(np.abs(bends) * (1.0 + (ndtri(0.5 + 0.5 * LEVEL) ** 2 - 1.0) * share)))
+    return float(np.sum(np.abs(bends) * (1.0 + (_normal_end() ** 2 - 1.0) * share)))
 
 
 def differences(
@@ -285,14 +283,14 @@ def differences(
 
 def _coverage(effects: Array, sources: Sequence[Source]) -> float:
     """Return the half-width of the interval over the standard deviation."""
-    from scipy.special import ndtri, stdtrit
+    from scipy.special import stdtrit
 
     blocks = [block for one in sources for block in one.blocks]
     each = np.split(effects**2, np.cumsum([root.shape[1] for root, _ in blocks])[:-1])
     variance = [float(own.sum()) for own in each]
     below = sum(v**2 / freedom for v, (_, freedom) in zip(variance, blocks, strict=True) if np.isfinite(freedom))
     if below <= 0.0:
-        return float(ndtri(0.5 + 0.5 * LEVEL))
+        return _normal_end()
     return float(stdtrit(sum(variance) ** 2 / below, 0.5 + 0.5 * LEVEL))
 
 
