@@ -11,11 +11,10 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.curve import TestCurve
-from hyperfab.loop.catalogue.fabric import DataContext, entries
+from hyperfab.loop.catalogue.fabric import DataContext, context_of, entries
 from hyperfab.loop.catalogue.fabric.history import MOST_TAKEN
 from hyperfab.loop.catalogue.fabric.mounting import MOST_OFF
 from hyperfab.loop.fabric_constants import constants_of
-from hyperfab.loop.fabric_context import context_of
 from hyperfab.loop.fabric_menu import menu
 from hyperfab.loop.fabric_tests import curves_of, hanging, path_of, ridden_states, smooth_of, states_of
 from hyperfab.loop.near import predicted_near
@@ -353,7 +352,7 @@ def fabric_problem(
     whole = fabric if way is path else Fabric(law, way, reference, speed[near], None if hang is None else hang[near])
     both = weft is not None
     turns = both or "anisotropy" in held
-    context = context_of(law, warp, path, tests, stress, ridden, both=both, turns=turns)
+    context = context_of(law, warp, path, tests, stress, ridden, len(rows) > 0, both=both, turns=turns)
     effects = tuple(replace(effect, not_sought=HAS_IT) if effect.id in held else effect for effect in entries(context))
     stated = None
     if all(test.stress_sd is not None for test in tests):

@@ -24,10 +24,10 @@ from hyperfab.documents.material import MaterialDocument
 from hyperfab.errors import InputError
 from hyperfab.io.json_io import dump_json
 from hyperfab.io.output import Output
+from hyperfab.loop.catalogue.fabric import bare_effects
 from hyperfab.loop.catalogue.fabric.context import is_slanted
 from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
-from hyperfab.loop.fabric_context import bare_effects
 from hyperfab.loop.gauges import misread
 from hyperfab.loop.no_worse import none_apart
 from hyperfab.materials.effects.fabric import AT_A_TEMPERATURE

@@ -110,14 +110,13 @@ def run(job: Job, given: Given) -> int:
 
 def _with_heights(told: PressResult, files: Files[Reading]) -> Files[Reading]:
     """Return files with every coordinate of their places, which is told where the male gives one."""
-    found = {one.name: with_heights(told, one) for one in [*files.measured, *files.apart]}
+    measured, apart = ([with_heights(told, one) for one in part] for part in (files.measured, files.apart))
     axis = told.frame.axis
     said = [
         f"{one.name}: tells no {axis} of its places: each is taken on the male, seen along {axis}"
-        for one in [*files.measured, *files.apart]
-        if found[one.name] is not one
+        for one, made in zip([*files.measured, *files.apart], [*measured, *apart], strict=True)
+        if made is not one
     ]
-    measured, apart = ([found[one.name] for one in part] for part in (files.measured, files.apart))
     return replace(files, measured=measured, apart=apart, preparation=[*files.preparation, *said])
 
 

@@ -272,9 +272,9 @@ def read_thermocouples(
     left_out = {f"no reading of {name}": int(count) for name, count in lacking if count} | dict(table.left_out)
     for number, probe in enumerate(names):
         there = np.flatnonzero(np.isfinite(readings[:, number]))
-        log = readings[there, number]
+        own = readings[there, number]
         # A loose plug, a switched relay stand off both sides of their neighbours.
-        rows = there[sorted(off_in_hold(np.ones_like(log), log, leap(log, float(np.ptp(log)))))]
+        rows = there[sorted(off_in_hold(np.ones_like(own), own, leap(own, float(np.ptp(own)))))]
         if rows.size:
             left_out[f"{probe} off its neighbours"] = int(rows.size)
             job.console.warn(

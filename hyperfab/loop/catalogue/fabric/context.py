@@ -1,12 +1,13 @@
 """The tests of a fabric and its law, as the entries of the catalogue are scaled to them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from hyperfab.arrays import Flags
-from hyperfab.loop.fabric_tests import ONE_PACE
+from hyperfab.curve import TestCurve
+from hyperfab.loop.fabric_tests import ONE_PACE, setups_of
 from hyperfab.materials.effects.path import GENERAL, Path
 from hyperfab.materials.law import Array, Law
 
@@ -191,3 +192,26 @@ class DataContext:
         steps = self.path.elapsed[self.path.elapsed > 0.0]
         longest = max(float(np.nansum(np.maximum(self.path.elapsed[rows], 0.0))) for rows in self.path.curves)
         return float(np.median(steps)) if len(steps) else 1.0, max(longest, 1e-6)
+
+
+def context_of(
+    law: Law,
+    warp: Sequence[float],
+    path: Path,
+    tests: Sequence[TestCurve],
+    stress: Array,
+    ridden: Collection[str],
+    across: bool,
+    *,
+    both: bool = False,
+    turns: bool = False,
+) -> DataContext:
+    """Return what the entries of the catalogue are scaled to; ``both``: warp and weft have constants of their own.
+
+    ``ridden`` are states that no replicates differ in, ``across`` says that contraction was measured, ``turns``
+    that each direction answers in its own way.
+    """
+    setups = setups_of(path, tests, sized=False, ridden=ridden)
+    replicated = sum(setups.count(one) > 1 for one in setups) > len(setups) / 2
+    marked = all(test.on_specimen for test in tests)
+    return DataContext(law, tuple(warp), path, stress, both, across, replicated, turns, marked)
