@@ -123,13 +123,6 @@ def _of_lines(lines: list[str], name: str, fits: Fits, layout: Layout, sought: S
     return [_sheet(block, name, separator, metadata, layout) for block in understood(one_of_pages(blocks))]
 
 
-def open_sheet(
-    data: bytes, name: str, layout: Layout = PLAIN, fits: Fits = lambda heads: True, sought: Sequence[str] = ()
-) -> CsvSheet:
-    """Return the one table of a file; InputError where it has several."""
-    return the_one(open_sheets(data, name, fits, layout, sought), name)
-
-
 def the_one(sheets: Sequence[CsvSheet], name: str) -> CsvSheet:
     """Return the table that is all there is in a file called ``name``; InputError where there are several."""
     if len(sheets) > 1:
@@ -299,14 +292,13 @@ def _first_table(body: list[tuple[int, str]], separator: str, fits: Fits, layout
     titles = split(text, separator, line)
     if len(titles) > MAX_COLUMNS:
         raise InputError(f"has {len(titles)} columns", line=line, remedy="export fewer channels")
-    if all(is_number(cell) for cell in titles if cell) or any(
-        are_types(split(text, separator, number)) for number, text in body[1:2]
-    ):
+    second = split(body[1][1], separator, body[1][0]) if len(body) > 1 else []
+    if all(is_number(cell) for cell in titles if cell) or are_types(second):
         return None  # types, perhaps above units
     heads = headings(titles, layout)
     start = 1
-    if len(body) > 1 and is_units(cells := split(body[1][1], separator, body[1][0])):
-        heads, start = with_units(heads, cells, body[1][0]), 2
+    if is_units(second):
+        heads, start = with_units(heads, second, body[1][0]), 2
     if not fits(heads):
         return None
     block = Block(line, heads, head=[(line, titles)])

@@ -46,8 +46,8 @@ def settle_decimal(sheet: CsvSheet, headings: Iterable[Heading], given: str | No
     ``given`` (the option ``--decimal``) decides; otherwise the cells do. Raises InputError where they disagree, or
     where every cell can be read both ways, such as 1,234.
 
-    >>> from hyperfab.io.csv_dialect import open_sheet
-    >>> sheet = open_sheet(b"stretch;stress [MPa]\\n1,125;0,25\\n", "a.csv")
+    >>> from hyperfab.io.csv_dialect import open_sheets
+    >>> [sheet] = open_sheets(b"stretch;stress [MPa]\\n1,125;0,25\\n", "a.csv", lambda heads: True)
     >>> settle_decimal(sheet, sheet.headings)
     ','
     """

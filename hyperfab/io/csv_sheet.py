@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -96,6 +97,18 @@ class CsvSheet:
         gone = set(rows)
         kept = self.of_rows([row for row in range(len(self.lines)) if row not in gone])
         return replace(kept, left_out={**self.left_out, reason: self.left_out.get(reason, 0) + len(gone)})
+
+    def with_rows_of(self, *others: CsvSheet) -> CsvSheet:
+        """Return the sheet with the rows of others of the same columns below its own, and what was left out there."""
+        every = (self, *others)
+        places = range(len(self.columns))
+        return replace(
+            self,
+            columns=tuple([cell for one in every for cell in one.columns[place]] for place in places),
+            lines=[line for one in every for line in one.lines],
+            left_out=dict(sum((Counter(one.left_out) for one in every), Counter[str]())),
+            closing=tuple(dict.fromkeys(word for one in every for word in one.closing)),
+        )
 
     def of_rows(self, rows: Sequence[int]) -> CsvSheet:
         """Return the sheet with some rows alone."""

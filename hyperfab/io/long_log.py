@@ -34,7 +34,9 @@ def a_column_each(sheet: CsvSheet, called: Sequence[str], rest: str) -> CsvSheet
     clock = moments(sheet) or sheet.find("time")
     if clock is None or _counts_up(times := sheet.columns[clock.index]):
         return sheet
-    sheet = replace(sheet, columns=tuple(map(_held, sheet.columns)))
+    # Words may stand in the first of their rows alone.
+    columns = tuple(cells if any(map(is_number, cells)) else held_down(cells) for cells in sheet.columns)
+    sheet = replace(sheet, columns=columns)
     said = {fold(one.title): one.name for one in sheet.layout.columns}
     probes = {fold(one): one for one in called}
 
@@ -103,11 +105,6 @@ def _names(cells: Sequence[str], times: Sequence[str], numbers: bool = False) ->
     return 1 < len(words) <= len(cells) // 2 and parts and all(c and is_number(c) == numbers for c in words)
 
 
-def _held(cells: Sequence[str]) -> Sequence[str]:
-    """Return words that stand in the first of their rows alone down to the next; readings as they are."""
-    return cells if any(map(is_number, cells)) else [cell or "" for cell in held_down([cell or None for cell in cells])]
-
-
 def _counts_up(times: Sequence[str]) -> bool:
     """Whether no time stands there twice, nor, where all are numbers, behind a later one."""
     values = plain_values(times)
@@ -126,13 +123,9 @@ def one_under_another(sheets: Sequence[CsvSheet], called: Sequence[str]) -> CsvS
     if len(titles) > 1 or any(len(one) != 1 for one in names):
         return None
     words = [name for one, [name] in zip(sheets, names, strict=True) for _ in one.lines]
-    columns = [[cell for one in sheets for cell in one.columns[head.index]] for head in sheets[0].headings]
-    return replace(
-        sheets[0],
-        headings=(*sheets[0].headings, Heading("probe", "probe", None, len(columns))),
-        columns=(*columns, words),
-        lines=[line for one in sheets for line in one.lines],
-    )
+    made = sheets[0].with_rows_of(*sheets[1:])
+    heads = (*made.headings, Heading("probe", "probe", None, len(made.columns)))
+    return replace(made, headings=heads, columns=(*made.columns, words))
 
 
 def called_by(head: Heading, called: Sequence[str]) -> str:

@@ -59,13 +59,12 @@ def _goes_on(table: Block, page: Block) -> bool:
         values, more = plain_values(one), plain_values(two)
         if len(values) < len(one) or len(more) < len(two):
             continue
-        steps, ahead = np.diff(values), np.diff(more)
-        largest = float(np.abs(steps).max(initial=0.0))
-        for sign in (1.0, -1.0):
-            if largest > 0.0 and np.all(sign * steps >= 0.0) and np.all(sign * ahead >= 0.0):
-                if not 0.0 <= sign * (more[0] - values[-1]) <= _STEPS * largest:
-                    return False
-                told = True
+        way = np.sign(values[-1] - values[0])
+        steps, ahead = way * np.diff(values), way * np.diff(more)
+        if way and np.all(steps >= 0.0) and np.all(ahead >= 0.0):
+            if not 0.0 <= way * (more[0] - values[-1]) <= _STEPS * steps.max():
+                return False
+            told = True
     return told
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -65,14 +64,8 @@ def _joined(test: CsvSheet, phase: CsvSheet, decimal: str | None) -> CsvSheet:
         if len(before) and after[0] < before[-1]:
             mark = roles(phase).decimal_mark(phase, decimal)
             more[clock.heading.index] = [f"{time:.12g}".replace(".", mark) for time in after + before[-1]]
-    return replace(
-        test,
-        columns=tuple([*one, *other] for one, other in zip(test.columns, more, strict=True)),
-        lines=[*test.lines, *phase.lines],
-        metadata=_stated_alike(test.metadata, phase.metadata),
-        left_out=dict(Counter(test.left_out) + Counter(phase.left_out)),
-        closing=tuple(dict.fromkeys((*test.closing, *phase.closing))),
-    )
+    joined = test.with_rows_of(replace(phase, columns=tuple(more)))
+    return replace(joined, metadata=_stated_alike(test.metadata, phase.metadata))
 
 
 def _stated_alike(one: Mapping[str, list[Entry]], other: Mapping[str, list[Entry]]) -> dict[str, list[Entry]]:

@@ -334,11 +334,10 @@ def _of_four_arms(sheet: CsvSheet, found: Mapping[str, list[tuple[int, Column]]]
     arms = [one for one in sheet.headings if re.fullmatch(rf"{re.escape(stem)} ?[1-4]", plain(one.label))]
     if len(arms) > 2:
         told = [f"{name} [{arms[0].unit or 'N'}]" for name in ("force", "force 2")]
-        options = (
+        first, third = (
             sheet.option([(arm.title, told[pair.index(k)] if k in pair else "aside") for k, arm in enumerate(arms)])
             for pair in ((0, 1), (0, 2))
         )
-        first, third = options
         raise sheet.wrong(
             f"{arms[0].title} to {arms[-1].title}: which are along one axis?",
             remedy=f"say {first} where neighbours in number are of two axes, {third} where they are of one",

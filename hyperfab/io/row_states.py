@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,6 +27,7 @@ _COUNTED = re.compile(
     r"(?:cycle|cycl|cyc|zyklus|ciclo|loop|c|n)[ _.:-]*(\d{1,9})|(\d{1,9})(?:st|nd|rd|th|\.)?(?: ?cycle)?", re.IGNORECASE
 )
 _SIDES = {"load": 1, "unload": -1}
+_Name = TypeVar("_Name", bound=str | None)
 
 
 def directions(sheet: CsvSheet, columns: Roles) -> list[float | None]:
@@ -88,14 +89,14 @@ def words_or_stated(sheet: CsvSheet, columns: Roles, name: str) -> list[str | No
     return [entry.value or None if entry else None] * len(sheet.lines)
 
 
-def held_down(told: Sequence[str | None]) -> list[str | None]:
+def held_down(told: Sequence[_Name]) -> list[_Name]:
     """Names that stand in the first of their rows alone, as merged cells have them, down to the next.
 
     >>> held_down(["A", None, None, "B", None]), held_down([None, "A"]), held_down(["A", None, "A"])
     (['A', 'A', 'A', 'B', 'B'], [None, 'A'], ['A', None, 'A'])
     """
-    found, once = list(told), [text for text in told if text is not None]
-    if found and found[0] is not None and len(set(once)) == len(once):
+    found, once = list(told), [text for text in told if text]
+    if found and found[0] and len(set(once)) == len(once):
         for row in range(1, len(found)):
             found[row] = found[row] or found[row - 1]
     return found

@@ -8,11 +8,10 @@ from dataclasses import dataclass, replace
 
 from hyperfab.io.cells import is_clock, is_number
 from hyperfab.io.dictionary import fold, is_closing, plain, setting, setting_along, words
-from hyperfab.io.headings import heading, unit_behind, unit_of
+from hyperfab.io.headings import heading, is_of, unit_behind, unit_of
 from hyperfab.io.named_tests import is_test, kind_named
 from hyperfab.io.other_tests import unread
 from hyperfab.io.rows import Row
-from hyperfab.io.sentences import sizes_in_sentence
 
 #: Settings that are amounts: without a digit the cell beside one is the next title of a table.
 SIZES = (
@@ -36,6 +35,25 @@ _ROOM = """room temperature; ambient temperature; lab temperature; laboratory te
 #: Settings that are none, or change nothing.
 _UNTOLD = (None, "quiet")
 _SETTING = re.compile(r"\s*([^:=]{1,80}?)\s*[:=]\s*(.*)")
+#: In a sentence, an amount and what stands in the place of its unit.
+_LENGTH = re.compile(r"(?<![\w.,])(\d+(?:[.,]\d+)?) ?(\"|[^\W\d]{1,2})(?![\w/*^\u00b2\u00b3])")
+#: Where a clause ends, in a number no blank follows the mark; and where a sentence does.
+_CLAUSE = re.compile(r"[,;:()]\s|\.\s|\.$|\s[-\u2013]\s")
+_SENTENCE = re.compile(r"[.;]\s")
+#: What stands between a size and its amount, and what joins a size to another.
+_LINKS = words("of; was; is; were; are; about; approx; ca; the; ist; war; von; betrug; est; de; era; es; fue; e; em")
+_JOINS = words("and; with; und; mit; et; avec; y; con; e; com; a; at; the; of; its; in; x")
+#: How an amount is said to be a size behind it, and of what, in the same sentence.
+_BEHIND = {
+    "width": words("wide; width; broad; breit; breite; de largeur; de ancho; larghi; largos; de largo"),
+    "thickness": words("thick; thickness; dick; dicke; d epaisseur; de espesor; spessi; de espessura"),
+    "gauge length": words("apart"),
+}
+_SPECIMENS = words("""strip; strips; specimen; specimens; sample; samples; streifen; probe; proben; eprouvette;
+    eprouvettes; bande; bandes; probeta; probetas; tira; tiras; provini; provino; strisce; benchmarks; marks""")
+_MARKS = words("benchmarks; bench marks; marks; gauge marks")
+#: Of a machine, no size of a specimen.
+_MACHINE = words("jaw; jaws; grip; grips; clamp; clamps; klemme; klemmen; backen; ball; sphere; kugel; mors; mordazas")
 
 
 @dataclass(frozen=True)
@@ -95,12 +113,43 @@ def settings(rows: Sequence[Row]) -> dict[str, list[Entry]]:
 
 
 def in_sentences(lines: Sequence[tuple[int, str]]) -> dict[str, list[Entry]]:
-    """Return the sizes that lines of words tell."""
+    """Return the sizes of a specimen that lines of words tell.
+
+    A size is named before its amount, and begins the clause or is joined to another; or behind the amount, of strips or
+    specimens that the sentence is about.
+
+    >>> def told(line):
+    ...     return {key: one.value for key, [one] in in_sentences([(1, line)]).items()}
+    >>> told("Gauge length was 100 mm and width 50mm, preload 0.1 N")
+    {'gauge length': '100 mm', 'width': '50 mm'}
+    >>> told("Streifen 50 mm breit, 0,6 mm dick"), told("Jaws 60 mm wide"), told("Grip width 60 mm")
+    ({'width': '50 mm', 'thickness': '0,6 mm'}, {}, {})
+    """
     found: dict[str, list[Entry]] = {}
     for line, text in lines:
-        for key, value in sizes_in_sentence(text):
-            found.setdefault(key, []).append(Entry(value, line, sure=False))
+        for match in _LENGTH.finditer(text):
+            size = _size(text[: match.start()], text[match.end() :])
+            if size is not None and is_of("in" if match[2] == '"' else match[2], "length"):
+                found.setdefault(size, []).append(Entry(f"{match[1]} {match[2]}", line, sure=False))
     return found
+
+
+def _size(before: str, after: str) -> str | None:
+    """Return which size of a specimen an amount is, by what stands ``before`` and ``after`` it."""
+    named = plain(_CLAUSE.split(before)[-1]).split()
+    while named and named[-1] in _LINKS:
+        named.pop()
+    for place in range(max(len(named) - 5, 0), len(named)):
+        known = setting(" ".join(named[place:]))
+        joined = not place or named[place - 1] in _JOINS or named[place - 1][:1].isdigit()
+        if joined and known in ("width", "thickness", "gauge length", "grip distance"):
+            return known
+    about = {*plain(_SENTENCE.split(before)[-1]).split()}
+    if not about & _SPECIMENS or about & _MACHINE:
+        return None
+    behind = f"{plain(_CLAUSE.split(after)[0])} "
+    size = next((key for key, told in _BEHIND.items() if any(behind.startswith(f"{one} ") for one in told)), None)
+    return None if size == "gauge length" and not about & _MARKS else size
 
 
 def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
@@ -122,28 +171,20 @@ def tabled(rows: Sequence[Row]) -> dict[str, list[Entry]]:
         units = [unit_of(below[0][1][one.index].strip("[](){} ")) for one, _ in sized]
         values = []
         for line, cells in below[1:] if all(units) else below:
-            if len(cells) <= widest or not all(_is_amount(cells[one.index]) for one, _ in sized):
+            own = [cells[one.index] for one, _ in sized if len(cells) > widest]
+            if not own or not all(is_number(cell) or unit_behind(cell) for cell in own):
                 break
             if not is_closing(next(filter(None, cells), "")):
                 values.append((line, cells))
         for (one, key), unit in zip(sized, units, strict=True):
             told = [
-                Entry(
-                    f"{cell} {'' if unit_behind(cell) else unit or one.unit or ''}".strip(),
-                    line,
-                    sure=False,
-                    of=cells[0],
-                )
+                Entry(cell if unit_behind(cell) else f"{cell} {unit or one.unit or ''}".strip(), line, False, of=of)
                 for line, cells in values
-                for cell in cells[one.index : one.index + 1]
+                for of, cell in [(cells[0], cells[one.index])]
             ]
             alike = len({entry.value for entry in told}) == 1
             found.setdefault(str(key), []).extend([replace(told[0], of="")] if alike else told)
     return found
-
-
-def _is_amount(cell: str) -> bool:
-    return is_number(cell) or unit_behind(cell) is not None
 
 
 def sizes(rows: Sequence[Row]) -> dict[str, list[Entry]]:

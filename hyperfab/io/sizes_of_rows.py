@@ -23,11 +23,11 @@ def parted_by_sizes(sheet: CsvSheet) -> list[CsvSheet]:
     if not columns:
         return [sheet]
     told = [
-        held_down([cell or None for cell in sheet.columns[head.index]])
+        held_down(sheet.columns[head.index])
         for head in sheet.headings
         if (one := read(head)) is not None and one.name in ("specimen", "direction", "test")
     ]
-    specimens: dict[tuple[str | None, ...], list[int]] = {}
+    specimens: dict[tuple[str, ...], list[int]] = {}
     for row in range(len(sheet.lines)):
         specimens.setdefault(tuple(cells[row] for cells in told), []).append(row)
     taken: list[Heading] = []

@@ -24,17 +24,14 @@ def units_of_cells(heads: list[Heading], columns: list[list[str]], lines: Sequen
     [('cup', 'F'), ('aside', None)]
     """
     for index, cells in enumerate(columns[: len(heads)]):
-        head = heads[index]
-        if index and _are_units(head, cells, columns[index - 1]) and heads[index - 1].unit is None:
-            row = next(row for row, cell in enumerate(cells) if cell)
-            other = next((k for k, cell in enumerate(cells) if cell and cell != cells[row]), None)
-            if other is not None:
-                _refuse(heads[index - 1], cells[row], f"{cells[other]} in line {lines[other]}", lines[row])
-            heads[index - 1] = replace(heads[index - 1], unit=unit_of(cells[row]))
+        head, left = heads[index], heads[index - 1]
+        if index and left.unit is None and _are_units(head, cells, columns[index - 1]):
+            first, *others = dict.fromkeys(filter(None, cells))
+            if others:
+                raise _in_two_units(left, cells, lines, first, others[0])
+            heads[index - 1] = replace(left, unit=unit_of(first))
             heads[index] = replace(head, label="aside")
-            continue
-        unit = _unit_in(cells, head, lines)
-        if unit is not None:
+        elif (unit := _unit_in(cells, head, lines)) is not None:
             heads[index] = replace(head, unit=unit)
             columns[index] = [cell.removesuffix(unit).rstrip() for cell in cells]
 
@@ -54,22 +51,14 @@ def _unit_in(cells: Sequence[str], head: Heading, lines: Sequence[int]) -> str |
     whole = unit is not None and all(cell.endswith(unit) or not cell or NO_READING.fullmatch(cell) for cell in cells)
     if unit is None or (head.unit in (None, unit) and whole):
         return unit
-    other = next((row for row, cell in enumerate(cells) if unit_behind(cell) not in (None, unit)), None)
+    other = next((cell for cell in cells if unit_behind(cell) not in (None, unit)), None)
     if meaning(head) in (None, Meaning("aside")) or (other is None and head.unit in (None, unit)):
         return None
-    _refuse(
-        head,
-        first,
-        "the head" if other is None else f"{cells[other]} in line {lines[other]}",
-        lines[cells.index(first)],
-    )
-    return None
+    raise _in_two_units(head, cells, lines, first, other)
 
 
-def _refuse(head: Heading, one: str, than: str, line: int) -> None:
-    raise InputError(
-        f"{one} is in another unit than {than}",
-        line=line,
-        column=head.title,
-        remedy="export the column in one unit",
-    )
+def _in_two_units(head: Heading, cells: Sequence[str], lines: Sequence[int], one: str, other: str | None) -> InputError:
+    """Return the error that a cell is in another unit than an ``other``, or than the head."""
+    than = "the head" if other is None else f"{other} in line {lines[cells.index(other)]}"
+    told, line = f"{one} is in another unit than {than}", lines[cells.index(one)]
+    return InputError(told, line=line, column=head.title, remedy="export the column in one unit")

@@ -665,6 +665,12 @@ def test_probes_one_under_another_are_a_column_each(text: str) -> None:
     assert (table["cup"].tolist(), table["base"].tolist()) == ([20.0, 21.0], [30.0, 31.0])
 
 
+def test_what_is_left_out_of_each_of_the_tables_one_under_another_counts() -> None:
+    """That of the first alone did."""
+    text = "".join(f"Probe: {one}\nTime [s],T [degC]\n0,20\n20,21\nMean,20.5\n\n" for one in ("cup", "base"))
+    assert log(text).left_out == {"closing row, no reading": 2}
+
+
 def test_probes_one_under_another_may_each_have_a_clock() -> None:
     table = log("Channel,Time [s],T [degC]\ncup,0,20\ncup,20,21\nbase,3,30\nbase,23,31\n")
     assert table["time"].tolist() == [0.0, 3.0, 20.0, 23.0]
