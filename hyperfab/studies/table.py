@@ -75,7 +75,7 @@ def columns_of(plan: Plan) -> list[str]:
     study = plan.study
     own = [*(["within_limits"] if study.limit else []), "failed_step", "message"]
     own += [f"{step.name}_document" for step in study.step]
-    known = dict.fromkeys(["case", "status", *own], "a column that every table has")
+    known = dict.fromkeys(["case", "status", "within_limits", *own], "a column of each table's own")
     axes, figures = [(axis.column, f"axis.{axis.name}") for axis in plan.axes], study.figures
     for name, key in [*axes, *((name, f"figures.{name}") for name in figures)]:
         if name in known:

@@ -229,8 +229,13 @@ def test_an_axis_along_which_nothing_changes_is_told(shop: Shop) -> None:
     ("old", "new", "words"),
     [
         ("sum =", "b_mm =", "key figures.b_mm: is the column b_mm, the column of axis.b"),
-        ("sum =", "case =", "key figures.case: is the column case, a column that every table has"),
-        ("axis.a]", "axis.status]", "key axis.status: is the column status, a column that every table has"),
+        ("sum =", "case =", "key figures.case: is the column case, a column of each table's own"),
+        (
+            "sum =",
+            "within_limits =",
+            "key figures.within_limits: is the column within_limits, a column of each table's own",
+        ),
+        ("axis.a]", "axis.status]", "key axis.status: is the column status, a column of each table's own"),
         ("axis.a]", "axis.b_mm]", "key axis.b: is the column b_mm, the column of axis.b_mm"),
     ],
 )
