@@ -126,10 +126,12 @@ def likeliest_scatter(search: Search, state: Candidate, best: Candidate | None =
     problem, beside = search.problem, best or state
     # Of each kind of reading: what lacks in the contraction makes no stress less sure. It makes readings less sure, not
     # how stiff specimens are: each tells that by itself.
-    least = fitted_misfit(problem, search.noise.among(beside.fit.predicted, scatters[-1]), beside.fit)
+    widest = search.noise.among(beside.fit.predicted, scatters[-1])
+    least = fitted_misfit(problem, widest, beside.fit)
     _, which, count = np.unique(problem.channel, return_inverse=True, return_counts=True)
     # As many rows as are missed alike count as one: else specimens would scatter by what makes up for a wrong law.
-    level = np.maximum(least / count, 1.0) * correlation_time(beside.fit.residual, problem.curves)
+    left = widest.whiten(problem.measured - beside.fit.predicted)
+    level = np.maximum(least / count, 1.0) * correlation_time(left, problem.curves)
     louder = replace(search.noise, sd=search.noise.sd * np.sqrt(level[which]))
 
     def metrics(one: Candidate) -> list[Noise]:
