@@ -86,6 +86,8 @@ class DesignPart(Part):
 
     gap_mm: float
     spread_mm: float = Field(description="greatest less least hot gap of its vertices to the female")
+    gap_min_mm: float | None = optional("least hot gap of its molding surface, between its vertices too")
+    gap_max_mm: float | None = optional("greatest")
     clearance_to_set_mm: float | None = optional(
         "cold, with which the female stands where it stood: --gap; absent where the frame yields"
     )

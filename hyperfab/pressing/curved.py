@@ -19,6 +19,8 @@ from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.surface import Surface
 
 CREASE_DEG = 25.0
+#: An edge that turns by more is a crease wherever it ends.
+_SHARP_DEG = 45.0
 #: Square of the sine of the angle between the sides of a crease whose curve they tell, at least.
 _KNIFE = 0.1
 #: Normals at a vertex that are apart by no more, but for rounding, are of one side.
@@ -88,6 +90,15 @@ class Drawn:
         """The surface as drawn."""
         return Surface(vertices[: self.faces.max() + 1], self.faces)
 
+    def along(self, edges: Flags) -> Flags:
+        """Which edges (m, 3) of the parts lie on those of ``edges`` (k, 3) of the facets as drawn."""
+        found = np.zeros(self.weights.shape[:2], dtype=bool)
+        for edge in range(3):
+            # On an edge of a facet the weight of the corner off it is none.
+            on = (self.weights[:, edge] == 0.0) & (self.weights[:, (edge + 1) % 3] == 0.0)
+            found[:, edge] = (on & np.roll(edges[self.of], -1, axis=1)).any(axis=1)
+        return found
+
     def corner_normals(self, vertices: Array) -> Array:
         """Unit normals (m, 3, 3) at the corners of each part, of the smooth surface behind the facets as drawn."""
         whole = self.whole(vertices)
@@ -103,7 +114,7 @@ def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -
     bulge, skew, upright = np.zeros((3, *surface.faces.shape, 3))
     if not smooth:
         return Curving(surface, np.repeat(surface.normals[:, None], 3, axis=1), bulge, skew)
-    creased = creases(surface)
+    creased = creases(surface, drawn)
     normals = corner_normals(surface, drawn)
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
@@ -144,9 +155,35 @@ def _meet(surface: Surface, creased: Flags, upright: Array, bend: Array, turned:
     bend[face, edge], bend[other, back] = both, turned * both
 
 
-def creases(surface: Surface) -> Flags:
-    """Which edges (m, 3) are creases."""
-    return np.asarray(np.abs(surface.edge_turn) > np.radians(CREASE_DEG))
+def creases(surface: Surface, drawn: Drawn | None = None) -> Flags:
+    """Which edges (m, 3) are creases; of facets that were cut, those of the facets as ``drawn``.
+
+    A crease goes on at both its ends, or ends at a border. Edges that turn as much and do not are the steepest of a
+    blend in few facets: were they taken for creases, the surface would be torn there and be whole beside them.
+    """
+    if drawn is not None:
+        return drawn.along(creases(drawn.whole(surface.vertices)))
+    turn = np.abs(surface.edge_turn)
+    found = turn > np.radians(CREASE_DEG)
+    face, edge = np.nonzero(found & (surface.twins > np.arange(len(found))[:, None]))
+    if not len(face):
+        return np.asarray(found)
+    other = surface.twins[face, edge]
+    start, end = surface.faces[face, edge], surface.faces[face, (edge + 1) % 3]
+    back = np.argmax(surface.faces[other] == end[:, None], axis=1)
+    goes_on = np.zeros(len(surface.vertices), dtype=bool)
+    for k in range(3):
+        goes_on[surface.faces[surface.twins[:, k] < 0][:, [k, (k + 1) % 3]]] = True
+    kept, blunt = np.ones(len(face), dtype=bool), turn[face, edge] <= np.radians(_SHARP_DEG)
+    while True:
+        count = np.bincount(np.concatenate([start[kept], end[kept]]), minlength=len(goes_on))
+        ends = (count == 1) & ~goes_on
+        gone = kept & blunt & (ends[start] | ends[end])
+        if not gone.any():
+            break
+        kept &= ~gone
+    found[face[~kept], edge[~kept]] = found[other[~kept], back[~kept]] = False
+    return np.asarray(found)
 
 
 def corner_normals(surface: Surface, drawn: Drawn | None = None) -> Array:

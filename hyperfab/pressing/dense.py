@@ -101,6 +101,39 @@ def dense(
     return Surface(vertices, faces), drawn
 
 
+def bent(curve: Curving, most: float, off: float) -> tuple[Surface, Array]:
+    """Return the smooth surface as facets whose normals turn by no more than ``most`` [rad] along an edge, which it
+    stands ``off`` [mm] at most, and the unit normals (m, 3, 3) at their corners: others are cut, their new corners on
+    the smooth surface.
+
+    >>> from hyperfab.surface import Surface
+    >>> one = Surface(np.eye(3), np.array([[0, 1, 2]]))
+    >>> curve = Curving(one, np.eye(3)[None], np.zeros((1, 3, 3)), np.zeros((1, 3, 3)))  # 90 degrees from end to end
+    >>> [len(bent(curve, np.radians(most), 9.0)[0].faces) for most in (91.0, 46.0)]
+    [1, 4]
+    """
+    surface = curve.surface
+    vertices, faces, of = surface.vertices, surface.faces, np.arange(len(surface.faces))
+    while True:
+        weights = barycentric(surface, np.repeat(of, 3), vertices[faces].reshape(-1, 3)).reshape(-1, 3, 3)
+        normals = np.einsum("mkc,mcx->mkx", weights, curve.normals[of])
+        length = np.linalg.norm(normals, axis=2, keepdims=True)
+        # Between normals that are opposite there is none: the surface is folded there.
+        normals = np.where(length > 0.5, normals / np.maximum(length, 0.5), surface.normals[of][:, None])
+        ends, number = sides(faces, len(vertices))
+        turn = np.linalg.norm(np.roll(normals, -1, axis=1) - normals, axis=2)
+        far = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1)[number] * turn / 8.0
+        long = np.bincount(number[(turn > 2.0 * np.sin(most / 2.0)) | (far > off)], minlength=len(ends)) > 0
+        if not long.any():
+            break
+        vertices, faces, of = _halved(vertices, faces, of, ends, number, long)
+    face = np.empty(len(vertices), dtype=of.dtype)
+    face[faces] = of[:, None]
+    new = np.arange(len(surface.vertices), len(vertices))
+    vertices = np.concatenate([surface.vertices, vertices[new] + curve.off(face[new], vertices[new])])
+    return Surface(vertices, faces), normals
+
+
 def _circles(vertices: Array, faces: Ints) -> tuple[Array, Array]:
     """Return the middles (m, 3) of facets and how far from them their farthest corner is (m,)."""
     corners = vertices[faces]
@@ -171,8 +204,11 @@ def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) 
     ends, number = sides(faces, len(vertices))
     long = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1) > longest * (1.0 + _ROUNDED)
     long &= np.bincount(number[chosen].ravel(), minlength=len(ends)) > 0
-    if not long.any():
-        return vertices, faces, of, False
+    return (*_halved(vertices, faces, of, ends, number, long), True) if long.any() else (vertices, faces, of, False)
+
+
+def _halved(vertices: Array, faces: Ints, of: Ints, ends: Ints, number: Ints, long: Flags) -> tuple[Array, Ints, Ints]:
+    """Return vertices, faces and the facets ``of`` which they are parts, ``long`` edges (e,) of ``sides`` halved."""
     middle = len(vertices) + np.cumsum(long) - 1
     corners = np.concatenate([faces, middle[number]], axis=1)
     pattern, found, kept = long[number], [], []
@@ -184,4 +220,4 @@ def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) 
     parts = np.concatenate(kept)
     order = np.argsort(parts, kind="stable")
     points = np.concatenate([vertices, vertices[ends[long]].mean(axis=1)])
-    return points, np.concatenate(found)[order], of[parts[order]], True
+    return points, np.concatenate(found)[order], of[parts[order]]

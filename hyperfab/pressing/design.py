@@ -8,49 +8,95 @@ import numpy as np
 
 from hyperfab.arrays import Array, Flags, Ints
 from hyperfab.errors import InputError
-from hyperfab.pressing.curved import smooth_normals
-from hyperfab.pressing.gap import nearest_gap
-from hyperfab.pressing.mold import Mold
+from hyperfab.pressing.curved import Curving, one_sided
+from hyperfab.pressing.dense import bent, dense
+from hyperfab.pressing.gap import molding_front, nearest_gap
+from hyperfab.pressing.mold import Mold, mold
 from hyperfab.surface import Surface
 from hyperfab.surface.topology import compact
 
 #: The male must look up by at least this much, or it cannot be drawn out of the part.
 _DRAFT = 0.0
-#: An offset that comes nearer to the female than asked for, by this share, has folded over itself; of a gap that
-#: changes from place to place, more: it is less than what is asked for along the normal, by its slope.
-_FOLDED, _FOLDED_UNEVEN = 0.01, 0.1
+#: An offset that comes nearer to the female than asked for, by this share, has folded over itself.
+_FOLDED = 0.01
+#: Facets of the male turn by no more [deg] from corner to corner, and their edges are chords within so much [mm]: a
+#: blend that the female has in few facets is written in as many as it takes to say how it is curved.
+_TURN_DEG, _CHORD = 12.0, 0.03
+#: A vertex stands off the female by what is asked to so much [mm], in so many steps, no further than so many times it.
+_MET, _STEPS, _FURTHEST = 1e-7, 20, 2.0
 
 
 @dataclass(frozen=True)
 class Design:
     """``vertices`` (n, 3) [mm] and ``faces`` (m, 3) of the male, in the hot press frame; the ``spread`` [mm] of the
-    gap it leaves: greatest less least."""
+    gap it leaves at its vertices, greatest less least."""
 
     vertices: Array
     faces: Ints
     spread: float
 
 
-def constant_gap(female: Mold, gap: float | Array) -> Design:
+@dataclass(frozen=True)
+class Offset:
+    """What a male is offset from: the ``front`` of the smooth ``female`` in facets that turn by little, and the unit
+    ``ways`` (n, 3) of its vertices, along the smooth normal; half way between the sides of a crease."""
+
+    female: Mold
+    front: Surface
+    ways: Array
+
+
+def offset(female: Mold) -> Offset:
+    """Return what a male is offset from."""
+    front = Surface(*compact(female.vertices, female.front.faces))
+    curve = female.front_curving
+    fine, normals = bent(Curving(front, curve.normals, curve.bulge, curve.skew), np.radians(_TURN_DEG), _CHORD)
+    of, _, sides = one_sided(fine.faces, normals)
+    ways = np.stack([np.bincount(of, weights=sides[:, k], minlength=len(fine.vertices)) for k in range(3)], axis=1)
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    return Offset(female, fine, np.where(length > 0.0, ways / np.where(length > 0.0, length, 1.0), 0.0))
+
+
+def constant_gap(base: Offset, gap: float | Array) -> Design:
     """Return the male that leaves ``gap`` [mm] to the (hot) female everywhere, or (n,) at each vertex of its front.
 
-    Every vertex of the female's front is moved by the gap along the smooth surface's normal. Raises InputError with
-    the place where the offset folds over itself (the female is hollowed more sharply than the gap allows) or would
-    be undercut.
+    Every vertex of the female's front is moved along the smooth surface's normal until the nearest gap is that. Raises
+    InputError with the place where the offset folds over itself (the female is hollowed more sharply than the gap
+    allows) or would be undercut.
     """
-    front = Surface(*compact(female.vertices, female.front.faces))
+    front, female = base.front, base.female
     each = np.broadcast_to(np.asarray(gap, dtype=float), len(front.vertices))
-    vertices = front.vertices + each[:, None] * smooth_normals(front)
+    far = each
+    for step in range(_STEPS + 1):
+        vertices = front.vertices + far[:, None] * base.ways
+        found = nearest_gap(vertices, female)
+        off = each - found.nearest
+        if np.abs(off).max() <= _MET or step == _STEPS:
+            break
+        rate = (found.direction * base.ways).sum(axis=1)
+        far = np.clip(far + off / np.maximum(rate, 1.0 / _FURTHEST), 0.0, _FURTHEST * each)
     male = Surface(vertices, front.faces[:, ::-1])
     turned = (male.normals * front.normals).sum(axis=1) >= 0.0
+    # Beyond a middle of curvature edges are turned round, though where both ways are facets are not turned over.
+    edges = (np.roll(one[front.faces], -1, axis=1) - one[front.faces] for one in (vertices, front.vertices))
+    turned |= (np.multiply(*edges).sum(axis=2) <= 0.0).any(axis=1)
     _refuse(turned, front, "folds over itself")
     _refuse(male.normals[:, 2] <= _DRAFT, front, "is undercut")
-    found = nearest_gap(vertices, female).nearest
-    folded = _FOLDED if np.ndim(gap) == 0 else _FOLDED_UNEVEN
-    near = (found < (1.0 - folded) * each)[front.faces].any(axis=1)
+    near = (found.nearest < (1.0 - _FOLDED) * each)[front.faces].any(axis=1)
     least = float(each.min())
     _refuse(np.asarray(near), front, f"comes nearer to the female than {least:g} mm and would cut into itself")
-    return Design(vertices, male.faces, float(np.ptp(found)))
+    return Design(vertices, male.faces, float(np.ptp(found.nearest)))
+
+
+def gaps(male: Mold, female: Mold) -> tuple[Array, Array]:
+    """Return the nearest gaps (n,) [mm] that a male leaves to the female, both hot, where a press with it would look,
+    and the places (n, 3); where the female ends none is told."""
+    up = np.array([0.0, 0.0, 1.0])
+    surface, drawn = dense(male.surface, up, female.surface, male.smooth, edges=True)
+    front = molding_front(mold(surface.vertices, surface.faces, 1, male.mount, male.smooth, drawn), female)
+    there = front.molding_areas > 0.0
+    found = nearest_gap(front.vertices[there], female)
+    return found.nearest[~found.at_border], front.vertices[there][~found.at_border]
 
 
 def _refuse(faces: Flags, front: Surface, what: str) -> None:

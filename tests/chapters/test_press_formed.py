@@ -183,6 +183,20 @@ def test_the_compensated_cup_forms_what_is_wanted_and_so_does_its_stl(cups, monk
     assert back["formed"]["thickness_mean_mm"] == pytest.approx(3.0, abs=0.005)
 
 
+def test_a_coarse_cup_is_compensated_as_a_fine_one(tmp_path, monkeypatch):
+    """Its foot turns by 35 degrees from facet to facet; the male is written in as many facets as that takes."""
+    for name, solid in (("male", cup.male_cup(20, 21)), ("female", cup.female_cup(21, 20))):
+        (tmp_path / f"{name}.stl").write_bytes(stl_bytes(solid.vertices, solid.faces))
+    options = {"gap": "3mm", "wanted": "3mm", "within": "0.05mm", **DWELL}
+    status, document = form(tmp_path, monkeypatch, LAW, compensate=True, **options)
+    assert status == 0
+    assert document["compensation"]["converged"]
+    _, back = read_back(tmp_path, monkeypatch, LAW, document, **options)
+    assert back["wanted"]["rms_mm"] < 0.003
+    assert abs(back["wanted"]["worst_mm"]) < 0.05
+    assert back["formed"]["thickness_mean_mm"] == pytest.approx(3.0, abs=0.005)
+
+
 def test_an_uneven_wish_is_formed_too_with_hot_molds_that_warm_the_sandwich_for_a_short_time(cups, monkeypatch):
     """Where less has set, the gap must be smaller; foam that is thinner to one side and molds that grow come along."""
     rows = [(x, y, 0.0, 3.4 + 0.002 * x) for x in (-120.0, 120.0) for y in (-120.0, 120.0)]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hyperfab.pressing.curved import creases, curving
 from hyperfab.pressing.dense import dense
 from hyperfab.pressing.gap import molding_front, nearest_gap
 from hyperfab.pressing.mold import mold
@@ -88,3 +89,68 @@ def test_strips_between_end_faces_curve_up_to_their_creases(is_cut) -> None:
     at, along = np.radians(random.uniform(-60.0, 60.0, 500)), random.uniform(-90.0, 90.0, 500)
     gap = nearest_gap(np.stack([60.0 * np.sin(at), along, 60.0 * np.cos(at)], axis=1), tunnel).nearest
     assert np.abs(gap - 6.0).max() < 1e-3  # chords: 0.12
+
+
+RINGS = (15.0, 25.0, 40.0, 55.0)
+
+
+def cone(degrees, sides):
+    """A flat ring of some ``sides`` around a cone around a level, its two rings 40 and 25 mm wide."""
+    turn = np.radians(np.linspace(0.0, 360.0, sides + 1)[:-1])
+    rise = np.tan(np.radians(degrees))
+    rings = [(r * np.cos(turn), r * np.sin(turn), np.full(sides, rise * np.clip(40.0 - r, 0.0, 15.0))) for r in RINGS]
+    points = np.concatenate([np.stack(ring, axis=1) for ring in rings])
+    a = np.arange(3 * sides)
+    b = a // sides * sides + (a + 1) % sides
+    faces = [np.stack([a, a + sides, b + sides], axis=1), np.stack([a, b + sides, b], axis=1)]
+    return Surface(points, np.concatenate(faces))
+
+
+@pytest.mark.parametrize(("degrees", "sides"), [(25.2, 12), (25.6, 12), (25.6, 24), (30.0, 16)])
+def test_parts_of_facets_have_the_creases_of_the_facets_that_were_cut(degrees, sides) -> None:
+    """New corners on the ring lie outside of its chords: beside some of them the parts turn by less than 25 degrees."""
+    drawing = cone(degrees, sides)
+    fine, drawn = dense(drawing, UP, drawing)
+    assert drawn is not None
+    found = creases(fine, drawn)
+    corners = fine.vertices[fine.faces]
+    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)[found].sum()
+    assert length == pytest.approx(2.0 * 2.0 * np.pi * (25.0 + 40.0), rel=1e-3)
+    # Each side has normals of its own all along it, and both curve up to one curve.
+    curve = curving(fine, True, drawn)
+    face, edge = np.nonzero(fine.twins >= 0)
+    other = fine.twins[face, edge]
+    back = np.argmax(fine.faces[other] == fine.faces[face, (edge + 1) % 3][:, None], axis=1)
+    own, across = curve.normals[face, edge], curve.normals[other, (back + 1) % 3]
+    assert ((np.abs(own - across).max(axis=1) > 1e-6) == found[face, edge]).all()
+    assert curve.bulge[face, edge] == pytest.approx(curve.bulge[other, back], abs=1e-12)
+    assert curve.skew[face, edge] == pytest.approx(-curve.skew[other, back], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("cells", "worst", "rms"), [(12, 1.3, 0.29), (16, 0.8, 0.15), (20, 0.5, 0.085), (30, 0.21, 0.0275)]
+)
+def test_a_blend_in_few_facets_is_no_crease(cells, worst, rms) -> None:
+    """The foot of the cup turns by 25 to 50 degrees from facet to facet, here a little more and there a little less."""
+    solid = cup.female_cup(cells + 1, cells)
+    female = mold(solid.vertices, solid.faces, -1)
+    foot = (np.abs(female.surface.edge_turn) > np.radians(25.0)) & female.looking[:, None]
+    foot &= (np.abs(female.surface.edge_turn) < np.radians(80.0)) & (female.surface.twins >= 0)
+    assert foot.any()
+    assert not creases(female.surface)[foot].any()
+    u, v = np.random.default_rng(1).uniform(-1.05, 1.05, (2, 4000))
+    points, normals = cup.male_point(u, v)
+    off = nearest_gap(points + cup.normal_gap(u, v)[:, None] * normals, female).nearest
+    # Taken for creases, edges of the foot made these 1.79, 0.91, 0.49, 0.20 and 0.317, 0.173, 0.096, 0.030 mm.
+    assert np.abs(off).max() < worst
+    assert np.sqrt(np.mean(off**2)) < rms
+
+
+@pytest.mark.parametrize("degrees", [26.0, 30.0, 44.0])
+def test_an_edge_that_goes_on_is_a_crease(degrees) -> None:
+    """A ramp from border to border, and the two rings of a cone."""
+    x, y = np.array([-40.0, -20, -10, 0, 10, 20, 40]), np.linspace(-40.0, 40.0, 9)
+    rise = np.tan(np.radians(degrees))
+    ramp = grid(x, y, np.repeat(rise * np.clip(x, -10.0, 10.0)[:, None], len(y), axis=1))
+    assert creases(ramp).sum() == 2 * 2 * (len(y) - 1)
+    assert creases(cone(degrees, 48)).sum() == 2 * 2 * 48

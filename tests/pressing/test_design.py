@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
+from hyperfab.pressing.dense import dense
+from hyperfab.pressing.design import DesignRefused, constant_gap, gaps, offset, with_back
 from hyperfab.pressing.gap import molding_front, nearest_gap, normal_gap
 from hyperfab.pressing.mold import mold
 from hyperfab.pressing.sensitivity import Tooling, levers
-from hyperfab.samples.cup import female_cup
+from hyperfab.samples.cup import closed_below, female_cup, male_cup
 from hyperfab.surface import Surface
 
 
@@ -18,7 +19,7 @@ def female():
 
 
 def test_the_gap_of_the_designed_male_is_constant(female):
-    design = constant_gap(female, 4.0)
+    design = constant_gap(offset(female), 4.0)
     male = mold(design.vertices, design.faces, 1)
     front = molding_front(male, female)
     nearest = nearest_gap(front.vertices, female).nearest
@@ -30,19 +31,49 @@ def test_the_gap_of_the_designed_male_is_constant(female):
 
 def test_the_designed_male_is_the_sphere_inside_a_sphere(shapes):
     female = shapes.female(*shapes.cap(75.0, 80.0, 30))
-    design = constant_gap(female, 5.0)
+    design = constant_gap(offset(female), 5.0)
     assert np.linalg.norm(design.vertices, axis=1) == pytest.approx(70.0, abs=2e-3)
+
+
+@pytest.mark.parametrize("cells", [12, 16, 20, 24, 40])
+def test_the_gap_is_constant_where_the_female_has_a_blend_in_few_facets(cells):
+    """Its foot turns by up to 45 degrees from facet to facet. Between the male's vertices as at them."""
+    solids = male_cup(cells, cells + 1), female_cup(cells + 1, cells)
+    one, two = (Surface(solid.vertices, solid.faces) for solid in solids)
+    surface, drawn = dense(two, np.array([0.0, 0.0, -1.0]), one)
+    female = mold(surface.vertices, surface.faces, -1, drawn=drawn)
+    design = constant_gap(offset(female), 4.0)
+    assert design.spread < 1e-6
+    found, _ = gaps(mold(*with_back(design.vertices, design.faces, -40.0), 1), female)
+    assert len(found) > 1000
+    assert found == pytest.approx(4.0, abs=0.01)
+
+
+@pytest.mark.parametrize("degrees", [10.0, 26.0, 40.0, 60.0])
+def test_along_creases_the_nearest_gap_is_what_is_asked(degrees):
+    """A ramp between two levels: in its inner edge a male half way between its sides stands off both by the gap."""
+    x, y = np.meshgrid([-60.0, -40, -20, -10, -5, 0, 5, 10, 20, 40, 60], np.linspace(-60.0, 60.0, 13), indexing="ij")
+    height = np.clip(x, -10.0, 10.0) * np.tan(np.radians(degrees))
+    solid = closed_below(np.stack([x, y, height], axis=-1), 50.0, facing_up=False)
+    base = offset(mold(solid.vertices, solid.faces, -1))
+    design = constant_gap(base, 4.0)
+    assert design.spread < 1e-6
+    start = base.front.vertices
+    inner = (start[:, 0] == 10.0) & (np.abs(start[:, 1]) < 55.0)
+    if degrees > 25.0:
+        moved = np.linalg.norm(design.vertices - start, axis=1)[inner]
+        assert moved == pytest.approx(4.0 / np.cos(np.radians(degrees / 2.0)), rel=1e-6)
 
 
 def test_an_offset_beyond_the_radius_is_refused_with_the_place(shapes):
     female = shapes.female(*shapes.cap(20.0, 60.0, 12))
     with pytest.raises(DesignRefused, match="folds over itself") as refused:
-        constant_gap(female, 25.0)
+        constant_gap(offset(female), 25.0)
     assert np.linalg.norm(refused.value.at) == pytest.approx(20.0, abs=0.5)
 
 
 def test_a_back_makes_the_design_a_solid(female):
-    design = constant_gap(female, 4.0)
+    design = constant_gap(offset(female), 4.0)
     found = Surface(*with_back(design.vertices, design.faces, -40.0)).soundness()
     assert found.sound
     assert found.bodies == 1

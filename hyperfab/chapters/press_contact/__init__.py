@@ -36,6 +36,9 @@ from hyperfab.pressing.mold import PressFrame
 
 #: Stress with held sides over that with free ones from which on it is told as a guess.
 _GUESSED = 10.0
+#: Facets that stand off the smooth molds by more than this share of the sandwich are told: what is behind them is known
+#: to no more than a part of that where it is curved the most.
+_COARSE = 0.1
 #: The columns of the curve.
 _CURVE = ("stroke_mm", "force_N", "pressed_area_mm2", "gap_min_mm", "energy_J")
 #: What may be written beside the document.
@@ -72,6 +75,7 @@ def run(job: Job, case: PressCase) -> int:
             told = replace(told, formed=stays, wanted=wanted)
         note_ranges(job, model, told.closed)
         _tell_overlap(job, told.closed, told.frame)
+        _tell_coarse(job, model, told.closed)
         if told.closed.front.aside > 0.0:
             job.console.warn(
                 f"{case.male}: {told.closed.front.aside:.0f} mm2 that look at the female lie on bodies no higher than "
@@ -80,7 +84,7 @@ def run(job: Job, case: PressCase) -> int:
         advance(0.6, "design")
         stl = b""
         if case.design_gap is not None:
-            stl, design = design_of(told.closed, told.frame, case.design_gap, model.grown[0].growth)
+            stl, design = design_of(job, told.closed, told.frame, case.design_gap, model.grown[0].growth)
             told = replace(told, design=design)
         compensated = b""
         if case.compensate and setting is not None and told.beside is not None and wanted is not None:
@@ -200,6 +204,16 @@ def _tell_overlap(job: Job, closed: Closed, way: PressFrame) -> None:
         job.console.warn(
             f"as drawn the molds overlap by {depth:.3f} mm at ({at}) mm: they part when opened by that much, and "
             "the clearance is counted from there"
+        )
+
+
+def _tell_coarse(job: Job, model: Model, closed: Closed) -> None:
+    """Say so where facets are too few to tell the molds behind them as well as the sandwich asks for."""
+    off = model.files.chord_error
+    if off > _COARSE * float(np.max(closed.press.sandwich.thickness)):
+        job.console.warn(
+            f"{model.case.male}, {model.case.female}: the facets stand off the smooth molds by {off:.2g} mm, and gaps "
+            "may be wrong by nearly as much where the molds are curved the most: give a finer STL"
         )
 
 

@@ -16,7 +16,7 @@ from hyperfab.documents.press import CompensationPart, CompensationStep, DesignP
 from hyperfab.errors import InputError
 from hyperfab.io.stl_write import stl_bytes
 from hyperfab.pressing.closing import Closed
-from hyperfab.pressing.design import DesignRefused, constant_gap, with_back
+from hyperfab.pressing.design import Design, DesignRefused, Offset, constant_gap, gaps, offset, with_back
 from hyperfab.pressing.mold import Growth, Mold, PressFrame, mold, ungrown
 from hyperfab.pressing.placement import clearance
 
@@ -29,38 +29,56 @@ _LONGEST = 1.0
 _MISSED = 0.05
 #: A thickness gains at least this share of what the gap gains, or nothing sets and the gap is left.
 _LEAST_RATE = 0.02
+#: A gap that is asked to be constant and that is off by more [mm] somewhere is told.
+_UNEVEN = 0.05
 
 
-def design_of(closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
+def design_of(job: Job, closed: Closed, frame: PressFrame, gap: float, growth: Growth) -> tuple[bytes, DesignPart]:
     """Return the STL of the cold male whose hot gap is constant; refused with the place where there is none."""
-    spread, male, to_set = _male(closed, frame, gap, growth, f"--design-gap {gap:g} mm")
+    design, male, to_set = _male(closed, offset(closed.female), frame, gap, growth, f"--design-gap {gap:g} mm")
     # What a frame yields by at the force of that gap is not known here.
     unloaded = to_set if closed.case.frame is None else None
-    part = DesignPart(gap_mm=gap, spread_mm=spread, clearance_to_set_mm=unloaded, facets=len(male.faces))
+    left, places = gaps(male.moved(male.vertices + growth.at(male.vertices)), closed.female)
+    part = DesignPart(
+        gap_mm=gap,
+        spread_mm=design.spread,
+        gap_min_mm=float(left.min(initial=gap)),
+        gap_max_mm=float(left.max(initial=gap)),
+        clearance_to_set_mm=unloaded,
+        facets=len(male.faces),
+    )
+    off = np.abs(left - gap)
+    if off.max(initial=0.0) > _UNEVEN:
+        at = ", ".join(f"{value:.1f}" for value in frame.outward(places[np.argmax(off)]))
+        job.console.warn(
+            f"the male of --design-gap leaves {part.gap_min_mm:.3f} to {part.gap_max_mm:.3f} mm, furthest off near "
+            f"({at}) mm: facets of the female turn sharply there; give a finer STL, or its edge a radius"
+        )
     return stl_bytes(frame.outward(male.vertices), male.faces), part
 
 
 def _male(
-    closed: Closed, frame: PressFrame, gap: float | Array, growth: Growth, asked: str = "--compensate"
-) -> tuple[float, Mold, float]:
+    closed: Closed, base: Offset, frame: PressFrame, gap: float | Array, growth: Growth, asked: str = "--compensate"
+) -> tuple[Design, Mold, float]:
     """Return the cold male that leaves ``gap`` [mm], everywhere or (n,), to the hot female where it stands.
 
-    Before it the spread of that gap, after it the cold clearance [mm] to set. Refused with the place in the drawing
+    Before it the design, after it the cold clearance [mm] to set. Refused with the place in the drawing
     where there is no such male.
     """
     try:
-        design = constant_gap(closed.female, gap)
+        design = constant_gap(base, gap)
     except DesignRefused as error:
         at = ", ".join(f"{value:.1f}" for value in frame.outward(np.array(error.at)))
         raise InputError(
             f"{asked}: the surface {error.what} near ({at}) mm, on {error.faces} facets",
-            remedy="ask for a smaller gap, or give the female a larger radius or more draft there",
+            remedy="ask for a smaller gap, or give the female a larger radius or more draft there, or a finer "
+            "STL where its facets are few",
         ) from None
     mount = closed.case.male.mount
     vertices, faces = with_back(ungrown(design.vertices, growth), design.faces, mount)
     male = mold(vertices, faces, 1, mount, closed.case.male.smooth)
     apart = clearance(male, closed.case.female).gap
-    return design.spread, male, apart + closed.clearance_cold - closed.datum.gap
+    return design, male, apart + closed.clearance_cold - closed.datum.gap
 
 
 @dataclass(frozen=True)
@@ -94,17 +112,18 @@ def compensate(
     into itself.
     """
     frame = model.files.frame
-    used = np.unique(closed.female.front.faces)
-    gap = np.clip(wanted.at(closed.female.vertices[used]), *_reach(closed))
+    base = offset(closed.female)
+    places = base.front.vertices
+    gap = np.clip(wanted.at(places), *_reach(closed))
     history = [CompensationStep(worst_mm=first.worst_mm, rms_mm=first.rms_mm)]
     before: tuple[Array, Array] | None = None
     best: tuple[float, Flags, _Tried] | None = None
-    stuck = np.zeros(len(used), dtype=bool)
+    stuck = np.zeros(len(places), dtype=bool)
     for turn in range(_MOST):
         advance(turn / _MOST)
-        tried = _try(job, model, closed, setting, wanted, gap)
+        tried = _try(job, model, closed, base, setting, wanted, gap)
         history.append(tried.step)
-        off, rate = _at_design(tried, wanted, len(used))
+        off, rate = _at_design(tried, wanted, len(places))
         low, high = _reach(tried.closed)
         stuck = ((gap <= low + 1e-9) & (off > _MISSED)) | ((gap >= high - 1e-9) & (off < -_MISSED))
         stuck |= (rate <= _LEAST_RATE) & (np.abs(off) > _MISSED)
@@ -125,7 +144,7 @@ def compensate(
     missed, stuck, tried = best
     area = tried.closed.front.molding_areas
     of = tried.closed.front.of_mold
-    mine = of < len(used)
+    mine = of < len(places)
     lost = float(area[mine][stuck[of[mine]]].sum() / area.sum())
     vertices, faces = tried.closed.case.male.vertices, tried.closed.case.male.faces
     front_gap = tried.closed.contact.gap[area > 0.0]
@@ -149,12 +168,12 @@ def _reach(closed: Closed) -> tuple[float, float]:
     return fabric + foam * (1.0 - min(float(np.min(sandwich.law.limit)), 0.95)), float(np.max(sandwich.thickness))
 
 
-def _try(job: Job, model: Model, closed: Closed, setting: Setting, wanted: Wanted, gap: Array) -> _Tried:
+def _try(job: Job, model: Model, closed: Closed, base: Offset, setting: Setting, wanted: Wanted, gap: Array) -> _Tried:
     """Close the press on the male that leaves ``gap`` (n,) [mm] to the female where it stands; form the sandwich."""
     from scipy.spatial import cKDTree
 
     growth, frame = model.grown[0].growth, model.files.frame
-    _, male, to_set = _male(closed, frame, gap, growth)
+    _, male, to_set = _male(closed, base, frame, gap, growth)
     nearest = np.asarray(cKDTree(closed.case.male.vertices).query(male.vertices)[1], dtype=np.int64)
     carried = closed.case.sandwich.of_vertices(nearest) if closed.case.sandwich.uneven else closed.case.sandwich
     case = replace(
