@@ -147,3 +147,27 @@ def test_the_rim_of_a_dome_is_its_flange_also_where_its_heights_are_rounded(shap
     rim = (np.hypot(*front.vertices[:, :2].T) >= 40.0)[front.faces].all(axis=1)
     assert (front.flange == rim).all()
     assert front.areas[rim].sum() == pytest.approx(120.0**2 - np.pi * 40.0**2, rel=0.08)
+
+
+@pytest.mark.parametrize(("deep", "has"), [(0.3, True), (2.0, False)])
+def test_a_rim_has_a_groove_of_a_hair_and_no_deeper(shapes, deep, has):
+    points, faces = shapes.plate(120.0, 120.0, 24, 24)
+    away = np.hypot(points[:, 0], points[:, 1])
+    points[:, 2] = 25.0 * np.clip(1.0 - away / 40.0, 0.0, None)
+    points[np.argmin(np.abs(points[:, :2] - 50.0).sum(axis=1)), 2] = -deep
+    front = molding_front(
+        shapes.male(points, faces, mount=-5.0), shapes.female(*shapes.plate(140.0, 140.0, 1, 1, 40.0))
+    )
+    rim = (away >= 40.0)[faces].all(axis=1)
+    assert front.areas[front.flange].sum() == pytest.approx(has * front.areas[rim].sum(), rel=1e-3)
+
+
+def test_what_dips_below_a_smaller_level_is_no_flange(shapes):
+    """A shallow bowl between a ledge around it and a wall: its floor molds."""
+    points, faces = shapes.plate(120.0, 120.0, 24, 24)
+    away = np.hypot(points[:, 0], points[:, 1])
+    points[:, 2] = 0.2 * np.minimum(away / 40.0, 1.0) ** 2 + np.clip(away - 50.0, 0.0, None)
+    front = molding_front(
+        shapes.male(points, faces, mount=-5.0), shapes.female(*shapes.plate(140.0, 140.0, 1, 1, 80.0))
+    )
+    assert not front.flange.any()
