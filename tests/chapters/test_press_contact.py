@@ -252,6 +252,7 @@ def test_the_designed_male_presses_evenly(tmp_path, monkeypatch, cells, even_to,
     assert document["design"]["gap_min_mm"] == pytest.approx(4.0, abs=0.01)
     assert document["design"]["gap_max_mm"] == pytest.approx(4.0, abs=0.01)
     assert even["contact_fraction"] > 0.999
+    assert even["flange_area_mm2"] == pytest.approx(document["flange_area_mm2"], rel=0.07)
     # Set cold at the clearance that is told it is that gap when hot.
     cold = {**hot, "zero": "cold", "gap": f"{document['design']['clearance_to_set_mm']:.9f}mm"}
     _, set_cold = press(tmp_path, monkeypatch, **cold)
