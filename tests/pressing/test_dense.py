@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from hyperfab.pressing.curved import creases, curving
-from hyperfab.pressing.dense import dense
+from hyperfab.pressing.curved import Curving, creases, curving
+from hyperfab.pressing.dense import bent, dense
 from hyperfab.pressing.gap import molding_front, nearest_gap
 from hyperfab.pressing.mold import mold
 from hyperfab.samples import cup
@@ -154,3 +154,11 @@ def test_an_edge_that_goes_on_is_a_crease(degrees) -> None:
     ramp = grid(x, y, np.repeat(rise * np.clip(x, -10.0, 10.0)[:, None], len(y), axis=1))
     assert creases(ramp).sum() == 2 * 2 * (len(y) - 1)
     assert creases(cone(degrees, 48)).sum() == 2 * 2 * 48
+
+
+def test_a_facet_that_is_folded_is_cut_no_further_than_shows() -> None:
+    """Normals 150 degrees apart at its corners: beside the fold they turn by as much however small the parts are."""
+    folded = np.radians(150.0)
+    normals = np.array([[[0.0, 0.0, 1.0], [np.sin(folded), 0.0, np.cos(folded)], [0.0, 0.0, 1.0]]])
+    one = Curving(Surface(np.eye(3), np.array([[0, 1, 2]])), normals, np.zeros((1, 3, 3)), np.zeros((1, 3, 3)))
+    assert 4 < len(bent(one, np.radians(12.0), 0.03)[0].faces) < 1000
