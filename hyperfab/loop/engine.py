@@ -115,9 +115,9 @@ def _closed(
 ) -> Finding:
     """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show.
 
-    ``earlier`` is the search under another noise.
+    ``earlier`` is the search under nearly this noise.
     """
-    search = Search(problem, level, tick, earlier if earlier is not None and earlier.noise.is_near(level) else None)
+    search = Search(problem, level, tick, earlier)
     before = search.base()
     if not np.isfinite(before.fit.cost):
         raise NotConverged(
@@ -134,7 +134,8 @@ def _closed(
 
     def under(other: Noise) -> Finding:
         """Return what is found where noise is another, in all judgements."""
-        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart, earlier=search)
+        near = search if level.is_near(other) else None
+        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart, earlier=near)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""
