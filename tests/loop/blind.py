@@ -3,8 +3,9 @@ prints the table.
 
 Run as ``PYTHONPATH=.:tests python -m loop.blind fabric [trials] [effect or effect+effect ...]``; deterministic for
 given arguments. ``--poor`` takes one rate, one cycle, one direction, ``--other`` the second set of generators, whose
-laws and protocols are others, ``--third``, ``--fourth`` and ``--fifth`` sets to which nothing is tuned and whose plain
-laws are no model's, ``--smooth``, ``--foreign`` and ``--rough`` sets of such laws that names are developed on.
+laws and protocols are others, ``--third``, ``--fourth``, ``--fifth`` and ``--sixth`` sets to which nothing is tuned
+and whose plain laws are no model's, ``--smooth``, ``--foreign`` and ``--rough`` sets of such laws that names are
+developed on.
 ``--next`` carries out the measurement that an ambiguous finding asks for, and beside it the old test once more;
 ``--without`` closes the loop again with the formula that was found taken out of the catalogue, as if it were a
 stranger's.
@@ -27,6 +28,7 @@ from loop.generators import (
     fourth_fabric,
     other_fabric,
     rough_fabric,
+    sixth_fabric,
     smooth_fabric,
     third_energy,
     third_fabric,
@@ -45,13 +47,15 @@ AnyTruth = (
     | smooth_fabric.Truth
     | fourth_fabric.Truth
     | fifth_fabric.Truth
+    | sixth_fabric.Truth
 )
 SETS: Mapping[str, Any] = {
     "other": other_fabric, "third": third_fabric, "rough": rough_fabric, "smooth": smooth_fabric,
-    "fourth": fourth_fabric, "fifth": fifth_fabric, "foreign": foreign_fabric,
+    "fourth": fourth_fabric, "fifth": fifth_fabric, "sixth": sixth_fabric,
+    "foreign": foreign_fabric,
 }  # fmt: skip
 #: Sets whose plain laws are no model's.
-STRANGE = ("third", "rough", "smooth", "fourth", "fifth", "foreign")
+STRANGE = ("third", "rough", "smooth", "fourth", "fifth", "sixth", "foreign")
 
 #: Pairs for the trials with two effects.
 PAIRS = (
