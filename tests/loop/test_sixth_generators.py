@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from loop.blind import case, problem_of
 from loop.generators import sixth_fabric
-from loop.generators.fabric import IDS, Setup
+from loop.generators.fabric import IDS, Reading, Setup
 from loop.generators.sixth_energy import LAWS, Cloth, modulus, table
 
 from hyperfab.loop.fitting import fit
@@ -107,6 +107,81 @@ def test_a_cloth_with_pores_swells_as_poissons_ratio_allows(kind: int, amount: f
         ratio = -np.log(found.width[1:]) / np.log(found.stretch[1:])
         assert 0.05 < ratio.min() <= ratio.max() < 0.5
         assert found.width == pytest.approx(found.thickness, abs=1e-6)
+
+
+CYCLES = sixth_fabric.Run(turns=(1.4, 1.0, 1.4, 1.0), rate=0.01, temperature=20.0, step=0.5)
+
+
+def _read(truth: sixth_fabric.Truth, setup: Setup = CYCLES) -> Reading:
+    [read] = sixth_fabric.measure(truth, [setup], np.random.default_rng(0), 0.0)
+    return read
+
+
+def _work(read: Reading) -> float:
+    """Return what a closed way takes [MPa]."""
+    return float(np.sum(0.5 * (read.stress[1:] + read.stress[:-1]) * np.diff(read.stretch)))
+
+
+@pytest.mark.parametrize("kind", range(3))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_loop_takes_work_and_knows_no_rate(kind: int, seed: int) -> None:
+    truth = _drawn("hysteresis", kind, seed)
+    slow = _read(truth)
+    fast = _read(truth, replace(CYCLES, rate=0.1, step=0.05))
+    assert _work(slow) > 0.002 * truth.top
+    assert fast.stress == pytest.approx(slow.stress, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", range(4))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_flow_takes_work_and_knows_the_rate(kind: int, seed: int) -> None:
+    truth = _drawn("rate", kind, seed)
+    slow, fast = _read(truth), _read(truth, replace(CYCLES, rate=0.1, step=0.05))
+    assert min(_work(slow), _work(fast)) > 0.0
+    assert np.max(fast.stress) > 1.005 * np.max(slow.stress)
+
+
+@pytest.mark.parametrize("kind", range(3))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_pull_softens_what_lies_below_it_and_nothing_else(kind: int, seed: int) -> None:
+    truth = _drawn("mullins", kind, seed)
+    read, plain = _read(truth), _read(replace(truth, effects=()))
+    first, again = slice(0, 80), slice(165, 230)
+    assert read.stress[first] == pytest.approx(plain.stress[first], abs=1e-9)
+    assert (read.stress[again] < 0.995 * plain.stress[again]).all()
+    # Below the greatest stretch there is one way only, up and down.
+    assert read.stress[161:240] == pytest.approx(read.stress[159:80:-1], rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", range(3))
+@pytest.mark.parametrize("seed", range(3))
+def test_a_set_leaves_the_cloth_longer(kind: int, seed: int) -> None:
+    read = _read(_drawn("permanent-set", kind, seed))
+    back = slice(81, 161)
+    assert read.stress[80] > 0.0
+    assert read.stretch[back][read.stress[back] <= 1e-12].max() > 1.005
+
+
+@pytest.mark.parametrize("kind", range(3))
+@pytest.mark.parametrize("seed", range(3))
+def test_warmth_softens_the_more_the_warmer(kind: int, seed: int) -> None:
+    truth = _drawn("thermal-softening", kind, seed)
+    room, warm, hot = (_read(truth, replace(CYCLES, temperature=at)).stress[5:80] for at in (20.0, 40.0, 60.0))
+    assert (hot < warm).all()
+    assert (warm < room).all()
+    assert hot.min() > 0.0
+
+
+@pytest.mark.parametrize("kind", range(3))
+@pytest.mark.parametrize("seed", range(3))
+def test_what_the_jaws_give_is_not_the_cloths(kind: int, seed: int) -> None:
+    """The width says how far the cloth is stretched, and the stress is that stretch's."""
+    truth = _drawn("grip-slack", kind, seed)
+    read, plain = _read(truth), _read(replace(truth, effects=()))
+    assert read.transverse is not None
+    own = (read.transverse) ** -2.0
+    assert own[80] < read.stretch[80] - 0.01
+    assert np.std(np.interp(own, plain.stretch[:81], plain.stress[:81]) - read.stress) < 0.03 * truth.top
 
 
 def test_rows_stand_at_one_time_step_and_differ_from_specimen_to_specimen() -> None:
