@@ -329,7 +329,8 @@ def _zero(truth: Truth, setup: Setup, number: int, t: Array) -> Array:
 
     Kind 0: a zero that runs away evenly and is set back every few specimens.
     Kind 1: a zero that follows the warmth of the chamber below the cell, beside a part that is always there.
-    Kind 2: a cell that is tared when the strip hangs under its pretension, log-normal, so that it says too little.
+    Kind 2: a cell that is tared when the strip hangs under its pretension, log-normal, so that it says too little,
+    and whose zero goes to and fro as the climate's two-point control switches.
     """
     if (d := truth.of("load-offset")) is None:
         return np.zeros_like(t)
@@ -340,7 +341,8 @@ def _zero(truth: Truth, setup: Setup, number: int, t: Array) -> Array:
         soaked = (setup.temperature - _ROOM) / 35.0 * (1.0 - 0.5 * np.exp(-t / (60.0 + 200.0 * d["u"])))
         return sign * size * (0.3 + soaked)
     tare = math.exp(0.5 * truth.alone(number, setup).standard_normal())
-    return np.full_like(t, -0.5 * size * tare)
+    swings = np.abs(2.0 * ((d["w"] + (1200.0 * number + t) / (300.0 + 900.0 * d["u"])) % 1.0) - 1.0)
+    return size * (swings - 0.6 * tare)
 
 
 def _elsewhere(truth: Truth, setup: Setup, number: int, own: Array, p: Array, t: Array) -> Array:

@@ -100,7 +100,8 @@ def friction(d: Draws, own: Array, p: Array, top: float) -> Array:
 def flow(d: Draws, own: Array, p: Array, t: Array, top: float) -> Array:
     """Return what depends on the rate [MPa].
 
-    Kind 0: Fung's box: all times of relaxation between two, alike (1972).
+    Kind 0: a memory of the plain stress that fades as a hyperbola of the time (Peleg 1979), by rates that are
+    distributed as gamma has it.
     Kind 1: a spring that pulls with the square of its strain, on a dashpot (Vangheluwe, Text. Res. J. 62 (1992) 586).
     Kind 2: a dashpot that the pace of late has made thin (Haupt & Sedlan, Arch. Appl. Mech. 71 (2001) 89).
     Kind 3: a stress by the pace of the moment and the stretch (Pioletti et al. 1998), thinner if quick (Carreau).
@@ -109,13 +110,13 @@ def flow(d: Draws, own: Array, p: Array, t: Array, top: float) -> Array:
         return np.zeros_like(own)
     strains, waits, found = np.diff(np.log(own)), np.diff(t), [0.0]
     if d["kind"] < 1:
-        times = np.geomspace(10.0 ** (-0.3 + d["u"]), 10.0 ** (2.0 + d["v"]), 12)
-        fades = np.exp(-waits[:, None] / times)
-        gains, state = (1.0 - fades) * times / waits[:, None], np.zeros(12)
-        for fade, gain, step in zip(fades, gains, np.diff(p), strict=True):
+        rates = np.geomspace(3e-3, 8.0, 14)
+        weights, beats = rates * np.exp(-rates), np.outer(waits, rates) / 10.0 ** (0.5 + 1.3 * d["u"])
+        fades, state = np.exp(-beats), np.zeros(14)
+        for fade, gain, step in zip(fades, (1.0 - fades) / beats, np.diff(p), strict=True):
             state = state * fade + gain * step
-            found.append(float(np.mean(state)))
-        return 1.5 * d["amount"] * np.array(found)
+            found.append(float(weights @ state))
+        return 1.5 * d["amount"] * np.array(found) / float(np.sum(weights))
     x, lately, slow = 0.0, 0.0, 10.0 ** (1.1 + 1.2 * d["u"])
     if d["kind"] > 2:
         paces = np.concatenate([[0.0], strains / waits])
