@@ -85,14 +85,14 @@ def close(
     readings that wander. ``apart`` returns how far a model misses readings that take no part: no effect is kept that
     makes that more. ``put_right`` tells whether the readings are wrong and, put right, leave the model as it is no more
     than noise, so that nothing is to be sought."""
-    level = noise if isinstance(noise, Noise) else estimate_noise(problem, noise)
-    found = _closed(problem, level, tick=tick, design=design, again=True, apart=apart, put_right=put_right)
+    search = Search(problem, noise if isinstance(noise, Noise) else estimate_noise(problem, noise), tick)
+    found = _closed(search, design=design, again=True, apart=apart, put_right=put_right)
     if found.verdict != "unexplained" or not found.noise.least or found.put_right:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
     if not np.any(wanders.sd > found.noise.sd):
         return found
-    more = _closed(problem, wanders, tick=tick, design=design, again=False, apart=apart)
+    more = _closed(search.under(wanders), design=design, again=True, apart=apart)
     # What is missed by far more than readings wander, all that neighbours have in common counted, is none of their
     # wandering, however few tell how far that is.
     left = (problem.measured - more.before.fit.predicted) / wanders.sd
@@ -103,21 +103,15 @@ def close(
 
 
 def _closed(
-    problem: Problem,
-    level: Noise,
+    search: Search,
     *,
-    tick: Callable[[str], None],
     design: bool,
     again: bool,
     apart: Apart,
     put_right: Callable[[Search, Candidate], bool] = lambda search, before: False,
-    earlier: Search | None = None,
 ) -> Finding:
-    """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show.
-
-    ``earlier`` is the search under nearly this noise.
-    """
-    search = Search(problem, level, tick, earlier)
+    """Close the loop at a noise; once more (``again``) where all specimens scatter more than the replicates show."""
+    problem, level, tick = search.problem, search.noise, search.tick
     before = search.base()
     if not np.isfinite(before.fit.cost):
         raise NotConverged(
@@ -134,8 +128,7 @@ def _closed(
 
     def under(other: Noise) -> Finding:
         """Return what is found where noise is another, in all judgements."""
-        near = search if level.is_near(other) else None
-        return _closed(problem, other, tick=tick, design=design, again=False, apart=apart, earlier=near)
+        return _closed(search.under(other), design=design, again=False, apart=apart)
 
     def beside(less: float) -> Finding:
         """Return what is found where specimens scatter less than replicates have it, as all of them tell."""

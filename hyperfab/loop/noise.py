@@ -14,7 +14,7 @@ from hyperfab.loop.thresholds import TOLD
 
 #: A common cause is left out along what it widens the noise by less than half of this, as a share.
 _FELT = 1e-3
-#: How many times as much specimens scatter at most where that is nearly the same.
+#: How many times as loud readings are, and as much specimens scatter, at most where that is nearly the same.
 _NEARLY = 1.5
 #: Rows of a specimen, the unit shape of what is alike in them, and how much of that is scatter.
 Shape = tuple[Ints, Array, float]
@@ -88,10 +88,10 @@ class Noise:
         return tuple(sd if _several(alike) else 0.0 for sd, alike in kinds)
 
     def is_near(self, other: Noise) -> bool:
-        """Whether readings are as loud under another noise, and specimens scatter by nearly as much."""
+        """Whether readings are nearly as loud under another noise, and specimens scatter by nearly as much."""
         pairs = ((self.gain_sd, other.gain_sd), (self.across_sd, other.across_sd))
         alike = all(max(pair) <= _NEARLY * min(pair) for pair in pairs)
-        return alike and np.array_equal(self.sd, other.sd) and np.array_equal(self.correlation, other.correlation)
+        return alike and bool(np.all(np.abs(np.log(other.sd / self.sd)) <= np.log(_NEARLY)))
 
     def among(self, predicted: Array, gain_sd: float) -> Noise:
         """Return the noise of specimens that scatter so much in proportion to a prediction.

@@ -39,6 +39,10 @@ class Search:
     _states: dict[tuple, Candidate] = field(default_factory=dict)
     _own_optimum: Candidate | None = None
 
+    def under(self, other: Noise) -> Search:
+        """Return a search under another noise, of which the fits go on from those of this one where it is near."""
+        return Search(self.problem, other, self.tick, self if self.noise.is_near(other) else None)
+
     def base(self) -> Candidate:
         """Return the model as it is, with its own constants refitted."""
         fits = [fit(self.problem, self.noise, {}, start) for start in (self.problem.given, *self.problem.starts)]

@@ -1,4 +1,4 @@
-"""Noise of which neighbouring readings have something in common, told from single curves: no replicate is asked for."""
+"""Noise by what a model leaves: louder than neighbours tell, or alike in them, told from single curves, no replicate."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hyperfab.arrays import Array
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve, Problem
 from hyperfab.loop.replicates import moving, replicates
-from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST
+from hyperfab.loop.thresholds import FEWEST, MARGIN, MOST, TOLD
 
 #: What is smooth along a way up or down is a polynomial of this degree at most, of one for so many readings.
 _DEGREE, _EACH = 8, 5
@@ -20,13 +20,14 @@ TRIED = np.round(np.arange(0.0, 0.95, 0.05), 2)
 
 
 def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Noise:
-    """Return the noise with what neighbouring readings of a kind have in common, where that is clear and no replicates
-    have told it.
+    """Return the noise with what neighbouring readings of a kind have in common, and as loud as it is, where that is
+    clear and no replicates have told it.
 
     ``left`` (rows) is what a model leaves, or the readings where they are smooth themselves. What wanders by more than
     neighbours differ by is no effect: it does so in each test in another way, and faster than any law bends. Beside a
     polynomial along each way up or down it is an autoregression of first order, told by restricted likelihood
-    (Patterson & Thompson 1971, doi:10.1093/biomet/58.3.545), in most of the curves.
+    (Patterson & Thompson 1971, doi:10.1093/biomet/58.3.545), in most of the curves. Where neighbours have nothing in
+    common it may still be louder than they tell: of long tails most of their differences know nothing.
     """
     if replicates(problem.curves, channel):
         return noise
@@ -41,11 +42,18 @@ def wandering(problem: Problem, noise: Noise, left: Array, channel: int) -> Nois
     # What reaches farther than such a polynomial bends is no longer told from it.
     best = int(np.argmin(np.where(np.exp(-terms.sum() / rows.sum()) >= TRIED, every, np.inf)))
     alone = free[:, None] * np.log(rest) + unlikely
-    agree = free @ (alone[:, best] < alone[:, 0]) / free.sum()
-    if every[0] - every[best] < MARGIN or agree < MOST or variance[best] <= 1.0:
+    agree = free @ (alone[:, best] < alone[:, 0])
+    if every[0] - every[best] >= MARGIN and agree >= MOST * free.sum():
+        louder = variance[best]
+    else:
+        # By themselves readings that are far off are rare: half of the curves are as loud.
+        level, best = rest[:, 0] / free, 0
+        order = np.argsort(level)
+        louder = level[order][np.searchsorted(np.cumsum(free[order]), 0.5 * free.sum())]
+    if louder <= 1.0 + TOLD * np.sqrt(2.0 / free.sum() + 2.0 / noise.dof):
         return noise
-    sd = np.where(own, np.sqrt(variance[best]) * noise.sd, noise.sd)
-    source = f"{noise.source}, neighbours alike" if channel == 0 else noise.source
+    sd = np.where(own, np.sqrt(louder) * noise.sd, noise.sd)
+    source = f"{noise.source}, neighbours alike" if channel == 0 and best else noise.source
     return replace(noise, sd=sd, correlation=np.where(own, TRIED[best], noise.correlation), source=source)
 
 

@@ -416,8 +416,7 @@ def test_a_fit_under_nearly_the_same_noise_goes_on_from_where_it_ended(monkeypat
     costs, counts = [], []
     for scatter, earlier in ((1.2, None), (1.2, first), (3.0, first)):
         more = replace(noise, gain_sd=scatter * noise.gain_sd)
-        near = earlier if earlier is not None and first.noise.is_near(more) else None
-        search = Search(problem, more, earlier=near)
+        search = Search(problem, more) if earlier is None else earlier.under(more)
         base, asked = search.base(), 0
         found = search.with_term(base, problem.effect("anisotropy"))
         assert found is not None

@@ -15,6 +15,7 @@ from hyperfab.loop.engine import Finding, close
 from hyperfab.loop.fabric import FabricProblem, fabric_problem
 from hyperfab.loop.noise import Noise
 from hyperfab.loop.problem import Curve
+from hyperfab.loop.search import Search
 from hyperfab.loop.wandering import wandering
 from hyperfab.materials.registry import law
 
@@ -71,7 +72,27 @@ def test_what_bends_as_laws_do_is_no_noise(smooth: Any) -> None:
 def test_one_curve_of_three_that_wanders_says_nothing_of_all() -> None:
     random = np.random.default_rng(3)
     quiet = [2.0 * random.standard_normal(60) for _ in range(2)]
-    assert told([4.0 * autoregression(random, 60, 0.8), *quiet]) == (0.0, 1.0)
+    rho, sd = told([4.0 * autoregression(random, 60, 0.8), *quiet])
+    assert rho == 0.0
+    assert sd == pytest.approx(2.0, rel=0.2)  # as the two are
+
+
+@pytest.mark.parametrize("count", [2, 9])
+def test_readings_louder_than_their_neighbours_tell_are_told_by_what_is_left(count: int) -> None:
+    """Noise of long tails (Student, 3 degrees of freedom) on a smooth misfit, of unit median deviation as noise is."""
+    along, random = np.linspace(0.0, 1.0, 400), np.random.default_rng(7)
+    draws = [random.standard_t(3.0, 400) / 1.134 for _ in range(count)]
+    rho, sd = told([4.0 * np.sin(6.0 * along) + one for one in draws])
+    assert rho == 0.0
+    assert sd == pytest.approx(np.sqrt(np.mean(np.square(draws))), rel=0.1)
+    assert sd > 1.25
+
+
+def test_readings_as_loud_as_their_neighbours_tell_stay_so() -> None:
+    along = np.linspace(0.0, 1.0, 60)
+    draws = [np.random.default_rng(seed).standard_normal((3, 60)) for seed in range(40)]
+    louder = [told([4.0 * np.sin(6.0 * along) + one for one in each])[1] > 1.0 for each in draws]
+    assert np.count_nonzero(louder) <= 1
 
 
 def strips(seed: int, softer: float) -> FabricProblem:
@@ -126,9 +147,9 @@ def test_what_misses_by_far_more_than_readings_wander_is_no_noise(monkeypatch: p
 
     closed = engine._closed
 
-    def nothing(problem: FabricProblem, noise: Noise, **how: Any) -> Finding:
-        found = closed(problem, noise, **how)
-        return replace(found, verdict="noise", after=found.before) if noise.dof == 1.0 else found
+    def nothing(search: Search, **how: Any) -> Finding:
+        found = closed(search, **how)
+        return replace(found, verdict="noise", after=found.before) if search.noise.dof == 1.0 else found
 
     monkeypatch.setattr(engine, "wandering", vaguely)
     monkeypatch.setattr(engine, "_closed", nothing)
