@@ -36,6 +36,7 @@ class Fit:
     (rows, constants)
     are whitened: in units of the noise, uncorrelated. ``chi2`` is of the data alone, ``cost`` with the priors.
     ``predicted`` is what the model says, ``by_model``, with what common causes of the noise are likely to have done.
+    ``in_metric`` is the Jacobian in the ``metric`` that the readings counted in.
     """
 
     forms: Mapping[str, Form]
@@ -49,6 +50,8 @@ class Fit:
     prior: Array
     own: int
     by_model: Array
+    in_metric: Array
+    metric: Noise
 
     @property
     def terms(self) -> dict[str, tuple[str, Array]]:
@@ -64,6 +67,17 @@ class Fit:
     def covariance(self) -> Array:
         """Covariance of the constants, from the curvature at the optimum."""
         return inverse(self.precision, 1e-13)
+
+    def errors(self, noise: Noise) -> tuple[Array, Array]:
+        """Return the covariance of the constants by how readings err, and what they err by as specimens differ.
+
+        Of readings counted as they were: specimens led alike have in common what they differ from others by, and it
+        counted as the model's. The curvature in the full metric is that of another estimate, which would forgive it.
+        Of weighted least squares: Huber (1967), Proc. 5th Berkeley Symp. 1, 221.
+        """
+        readings, specimens = noise.at(self.by_model).covariances(self.metric.weights(self.in_metric))
+        normal = inverse(self.in_metric.T @ self.in_metric + np.diag(self.prior), 1e-13)
+        return normal @ (readings + np.diag(self.prior)) @ normal, normal @ specimens @ normal
 
     def place(self, effect: str) -> slice:
         """Return where in ``x`` the constants of a term stand."""
@@ -183,7 +197,8 @@ class Descent:
         forms, x, value = dict(self.forms), self.x, self.value
         if not np.isfinite(self.misfit):
             empty, far = np.zeros((len(value), len(x))), np.full_like(value, np.inf)
-            return Fit(forms, x, value, far, empty, np.diag(self.weight), np.inf, np.inf, self.weight, self.own, value)
+            prior = np.diag(self.weight), np.inf, np.inf, self.weight
+            return Fit(forms, x, value, far, empty, *prior, self.own, value, empty, self.metric)
         if not self.exact:
             self.ask()
         left, jacobian = self.left, self.jacobian
@@ -194,7 +209,8 @@ class Descent:
         precision = jacobian.T @ jacobian + np.diag(self.prior)
         chi2 = float(left @ left)
         shown = value + self.metric.owed(self.target - value)
-        return Fit(forms, x, shown, left, jacobian, precision, chi2, self.cost, self.prior, self.own, value)
+        known = precision, chi2, self.cost, self.prior
+        return Fit(forms, x, shown, left, jacobian, *known, self.own, value, self.jacobian, self.metric)
 
     # What no number holds is no way to go, and is looked at below.
     @np.errstate(over="ignore", invalid="ignore")

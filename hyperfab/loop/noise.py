@@ -147,6 +147,30 @@ class Noise:
         """Return columns (rows, k) that were whitened as they were, of noise about means."""
         return self._along_causes(self._less(whitened, 0.5), 1.0) * self.sd[:, None]
 
+    def weights(self, whitened: Array) -> Array:
+        """Return how sums over columns (rows, k) that were whitened, of noise about means, weigh the readings,
+        (rows, k): the transpose of ``whiten``."""
+        return self._along_causes(self._less(whitened, -0.5), -1.0) / self.sd[:, None]
+
+    def covariances(self, weights: Array) -> tuple[Array, Array]:
+        """Return the covariance (k, k) of sums of the readings by ``weights`` (rows, k): what readings and causes that
+        they have in common add, and what specimens do that differ."""
+        along = weights * self.sd[:, None]
+        rho = np.broadcast_to(self.correlation, len(along)).copy()
+        rho[[0, *self.starts]] = 0.0
+        own = np.sqrt(1.0 - rho * rho)[:, None]
+        for row in range(len(along) - 2, -1, -1) if np.any(rho) else ():
+            along[row] += rho[row + 1] * along[row + 1]
+        along *= own
+        of_readings = along.T @ along
+        if self.common.size:
+            together = self.common.T @ weights
+            of_readings += together.T @ together
+        kinds = ((self.gain_sd, self.groups), (self.across_sd, self.across))
+        each = [sd * (self.pattern[rows] @ weights[rows]) for sd, groups in kinds if sd for rows in groups]
+        apart = np.array(each).reshape(-1, weights.shape[1])
+        return of_readings, apart.T @ apart
+
     def owed(self, left: Array) -> Array:
         """Return what of ``left`` (rows) the common causes are likely to have done, (rows,).
 

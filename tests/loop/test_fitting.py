@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -248,3 +249,30 @@ def test_the_worse_half_of_several_starts_is_left_soon_where_constants_are_well_
     found = descent(problem, noise, {}, starts)
     assert [n for n, _ in asked] == [*steps, 30]
     assert found.x == pytest.approx(fit(problem, noise, {}, np.ones(4)).x, rel=1e-6)
+
+
+def test_constants_err_as_much_as_is_told_where_specimens_differ() -> None:
+    """Pairs led alike, as they differ by chance, must not make a slope as sure as their readings: over many draws."""
+    rows, draw = 80, np.random.default_rng(8)
+    line = 1.0 + np.linspace(0.0, 1.0, rows)
+    each = tuple(np.arange(k, k + 20) for k in range(0, rows, 20))
+    starts = tuple(int(one[0]) for one in each)
+    plain = Noise(
+        np.full(rows, 0.02), np.inf, "known", gain_sd=0.05, correlation=0.5, starts=starts, groups=each,
+        alike=((0, 1), (2, 3)), pattern=line, measured=line,
+    )  # fmt: skip
+    found, told = [], []
+    for _ in range(400):
+        white, loud = draw.standard_normal(rows), np.empty(rows)
+        for row in range(rows):
+            loud[row] = white[row] if row in starts else 0.5 * loud[row - 1] + np.sqrt(0.75) * white[row]
+        read = line * np.repeat(1.0 + 0.05 * draw.standard_normal(4), 20) + 0.02 * loud
+        noise = replace(plain, pattern=read, measured=read)
+        one = fit(posed(read, np.inf, 2), noise, {}, [1.0, 1.0])
+        found.append(one.x)
+        told.append(sum(one.errors(noise)))
+    # Of 400 draws a standard deviation is known to 3.5 %.
+    assert np.sqrt(np.diag(np.mean(told, axis=0))) == pytest.approx(np.std(found, axis=0), rel=0.1)
+    assert np.corrcoef(np.transpose(found))[0, 1] == pytest.approx(
+        np.mean(told, axis=0)[0, 1] / np.sqrt(np.prod(np.diag(np.mean(told, axis=0)))), abs=0.05
+    )

@@ -10,6 +10,7 @@ import numpy as np
 
 from hyperfab.arrays import Array, Ints
 from hyperfab.chapters.close_loop.left_out import parts_of
+from hyperfab.chapters.close_loop.sure import errors_of_constants
 from hyperfab.chapters.close_loop.words import doubts, strength, summary
 from hyperfab.chapters.job import Job
 from hyperfab.console import Console
@@ -176,14 +177,14 @@ def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
     fit = found.after.fit
     effect, form = problem.effect(name), fit.forms[name]
     place = fit.place(name)
-    scale = math.sqrt(max(found.after.judgement.chi2_reduced, 1.0))
+    deviations = np.sqrt(np.maximum(np.diag(sum(errors_of_constants(found))), 0.0))
     return AddedEffect(
         id=name,
         title=effect.title,
         form=form.name,
         source=effect.source,
         parameters=form.named(fit.x[place]),
-        parameters_sd={key: sd * scale for key, sd in form.named(fit.sd[place]).items()},
+        parameters_sd=form.named(deviations[place]),
         evidence=evidence_of(found, name),
         tentative=found.verdict == "unexplained",
     )

@@ -14,6 +14,8 @@ from hyperfab.documents.certainty import FitUncertainty
 from hyperfab.documents.material import MaterialDocument
 from hyperfab.loop.engine import Finding
 from hyperfab.loop.fitting import Fit
+from hyperfab.loop.noise import Noise
+from hyperfab.loop.replicates import CLOTH_COUNTS
 from hyperfab.numerics.propagation import Source
 
 #: Steps of differences, over a standard deviation; no constant moves by more than a share of itself and a little.
@@ -31,9 +33,8 @@ def tell_sure(
     for record in document.effects or []:
         record.pop("parameters_sd", None)  # of the constants it had
     fit, noise = found.after.fit, found.noise
-    # Where something is left, the readings scatter by more than their noise.
-    covariance = fit.covariance * max(found.after.judgement.chi2_reduced, 1.0)
-    source = Source("", covariance)
+    readings, differ = errors_of_constants(found)
+    covariance = readings + differ
     if not np.isfinite(covariance).all() or not covariance.any():
         return
     names = [place for place, _ in numbers(document.to_json())]
@@ -42,8 +43,9 @@ def tell_sure(
         known = dict(numbers(extended(replace(fit, x=x)).to_json()))
         return np.array([known.get(name, np.nan) for name in names])
 
+    root = Source("", covariance).root
     columns = []
-    for way in source.root.T:
+    for way in root.T:
         # Constants that the data leave open have standard deviations beyond all that a law stands.
         step = min(_STEP, float(np.min((_SHARE * np.abs(fit.x) + _LEAST) / np.maximum(np.abs(way), 1e-300))))
         columns.append((at(fit.x + step * way) - at(fit.x - step * way)) / (2.0 * step))
@@ -58,9 +60,30 @@ def tell_sure(
         order=names,
         covariance=(along @ along.T).tolist(),
         specimens=specimens,
-        degrees_of_freedom=float(noise.dof) if np.isfinite(noise.dof) else 0.0,
+        degrees_of_freedom=_freedom(along, np.linalg.pinv(root) @ differ @ np.linalg.pinv(root).T, noise),
         source="specimens" if noise.gain_sd > 0.0 else "readings",
     )
+
+
+def errors_of_constants(found: Finding) -> tuple[Array, Array]:
+    """Return the covariance of the constants of the model with its effects, (k, k), by the readings and by how
+    specimens differ; where something is left, the readings scatter by more than their noise."""
+    scale = max(found.after.judgement.chi2_reduced, 1.0)
+    readings, differ = found.after.fit.errors(found.noise)
+    return readings * scale, differ * scale
+
+
+def _freedom(along: Array, differ: Array, noise: Noise) -> float:
+    """Return the least degrees of freedom of numbers that go ``along`` (n, r) unit directions, of whose covariance
+    (r, r) so much is by how specimens ``differ``; 0 where they are known beyond doubt (Welch and Satterthwaite)."""
+    whole = (along**2).sum(axis=1)
+    apart = np.einsum("ik,kl,il->i", along, differ, along)
+    known = whole > 0.0
+    share = np.clip(apart[known] / whole[known], 0.0, 1.0)
+    # Where none were led alike, the scatter that all tell counts what is usual of one cloth.
+    free = sum(len(which) - 1 for which in noise.alike) or CLOTH_COUNTS
+    unsure = float(np.max(share**2 / free + (1.0 - share) ** 2 / noise.dof, initial=0.0))
+    return 1.0 / unsure if unsure else 0.0
 
 
 def numbers(data: Any, place: str = "") -> Iterator[tuple[str, float]]:
