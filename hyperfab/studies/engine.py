@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hyperfab.errors import OutputError
+from hyperfab.errors import InputError, OutputError
 from hyperfab.studies.plan import HERE, STEPS, Case, Step
-from hyperfab.studies.store import Outcome, Store
+from hyperfab.studies.store import CHANGED, Outcome, Store
 
 #: A batch is sized to take about this long, so that the cost of sending it is small beside it.
 BATCH_S = 0.2
@@ -69,7 +69,8 @@ class Engine:
     def run(self, cases: Iterable[Case]) -> None:
         """Run every step that is not finished.
 
-        Raises OutputError as soon as a worker cannot write: what is done stays, and another run goes on from there.
+        Raises OutputError as soon as a worker cannot write, InputError as soon as a file is no longer what the study
+        read: what is done stays, and another run goes on from there.
         """
         stream, exhausted = iter(cases), False
         slots, told = self._slots(), time.monotonic()
@@ -148,6 +149,12 @@ class Engine:
         for key, outcome, seconds in results:
             if outcome.status == OutputError.exit_status:
                 raise OutputError(outcome.message)
+            if outcome.status == CHANGED:
+                raise InputError(
+                    "changed while the study ran",
+                    file=outcome.message,
+                    remedy="run the same line again; what was found before it changed is kept as such",
+                )
             self.progress.run += 1
             self._mean += 0.1 * (seconds + 0.002 - self._mean)
             self._deaths.pop(key, None)
@@ -201,14 +208,15 @@ Runner = Callable[[str, Sequence[str], str], Outcome]
 def run_steps(folder: str, run: Runner, steps: Sequence[Step]) -> list[tuple[str, Outcome, float]]:
     """Run ``steps``; return the key of each, how it ended, and the seconds the command itself took.
 
-    A step that is finished already is not run. After a failed write nothing more is tried: the disk is full for all.
+    A step that is finished already is not run. After a failed write nothing more is tried: the disk is full for all;
+    nor where a file is no longer what the study read.
     """
     store = Store(folder)
     found: list[tuple[str, Outcome, float]] = []
     for step in steps:
         outcome, seconds = run_step(store, run, step)
         found.append((step.key, outcome, seconds))
-        if outcome.status == OutputError.exit_status:
+        if outcome.status in (OutputError.exit_status, CHANGED):
             break
     return found
 
@@ -228,6 +236,9 @@ def run_step(store: Store, run: Runner, step: Step) -> tuple[Outcome, float]:
         start = time.perf_counter()
         outcome = run(step.command, words, str(place / f"{step.name}.json"))
         seconds = time.perf_counter() - start
+        changed = step.changed
+        if changed is not None:
+            return Outcome(CHANGED, changed), seconds
         if outcome.kept:
             outcome = _without_places(outcome, store, place)
             store.finish(step, place, outcome, seconds)

@@ -8,7 +8,7 @@ import hashlib
 import json
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,7 +36,8 @@ class Step:
     """One command to run: what it is known by, what it needs, and all a worker must have to run it.
 
     ``words`` are its arguments; STEPS and HERE in them stand for folders. ``documents`` are written into the
-    step's folder before it runs.
+    step's folder before it runs. ``files`` are those that it is known by, named in its arguments, in ``documents`` and
+    in these files themselves.
     """
 
     key: str
@@ -45,6 +46,32 @@ class Step:
     words: tuple[str, ...]
     documents: tuple[tuple[str, bytes], ...]
     needs: tuple[str, ...]
+    files: tuple[Seen, ...] = ()
+
+    @property
+    def changed(self) -> str | None:
+        """The first of its files that is no longer what it is known by, if there is one."""
+        return next((file.path for file in self.files if not file.is_as_read), None)
+
+
+class Seen(NamedTuple):
+    """A file as a study read it: where, how many bytes, when it was written, and its hash."""
+
+    path: str
+    size: int
+    written_ns: int
+    sha256: str
+
+    @property
+    def is_as_read(self) -> bool:
+        """Whether it still holds the same; it is only read again where it was written meanwhile."""
+        try:
+            now = os.stat(self.path)
+            if (now.st_size, now.st_mtime_ns) == (self.size, self.written_ns):
+                return True
+            return hashlib.sha256(Path(self.path).read_bytes()).hexdigest() == self.sha256
+        except OSError:
+            return False
 
 
 @dataclass(frozen=True)
@@ -142,7 +169,8 @@ class Plan:
     ) -> Step:
         documents, steps = self._uses[section.name]
         edited = {name: self._edit(name, texts, numbers) for name in documents}
-        known = {name: _hash(self._known(document)) for name, document in edited.items()}
+        used: set[str] = set()
+        known = {name: _hash(self._known(document, used)) for name, document in edited.items()}
         symbols = {name: f"{{document {digest}}}" for name, digest in known.items()}
         symbols |= {name: f"{{step {earlier[name].key}}}" for name in steps}
         places = {name: f"{HERE}/{self._file_name(name)}" for name in documents}
@@ -155,7 +183,7 @@ class Plan:
                 symbol = fill(text, {**texts, **symbols}, numbers)
             found = self.files.find(word)
             words.append("".join(found or word))
-            identity.append(symbol if found is None else self._file(found))
+            identity.append(symbol if found is None else self._file(found, used))
         key = _hash({"hf": program(), "command": section.command, "arguments": identity})
         needs = tuple(sorted(earlier[name].key for name in steps))
         files = {self._file_name(name): document for name, document in edited.items()}
@@ -163,7 +191,7 @@ class Plan:
             (name, dump_toml(document) if name.endswith(".toml") else dump_json(document))
             for name, document in files.items()
         )
-        return Step(key, section.name, section.command, tuple(words), written, needs)
+        return Step(key, section.name, section.command, tuple(words), written, needs, self.files.seen(used))
 
     def _file_name(self, name: str) -> str:
         """Return the name of an edited document: commands tell a model by its ending."""
@@ -186,16 +214,17 @@ class Plan:
                 holder[last] = copy.deepcopy(new)
         return document
 
-    def _known(self, document: Any) -> Any:
-        """Return a document with what its files hold in place of where they are."""
+    def _known(self, document: Any, used: set[str]) -> Any:
+        """Return a document with what its files hold in place of where they are; they are noted in ``used``."""
 
         def known(text: str) -> str:
             found = self.files.find(text) if os.path.isabs(text) else None
-            return text if found is None else self._file(found)
+            return text if found is None else self._file(found, used)
 
         return map_texts(document, known)
 
-    def _file(self, found: Named) -> str:
+    def _file(self, found: Named, used: set[str]) -> str:
+        used.add(found.path)
         ending, digest = os.path.splitext(found.path)[1], self.files.digest(found.path)
         return f"{found.before}{{file {ending} {digest}}}{found.behind}"
 
@@ -261,12 +290,14 @@ _MAX_DEPTH = 8
 
 
 class FileKnowledge:
-    """What is known of the files of a study. Each is read once: files must not change while a study runs."""
+    """What is known of the files of a study. Each is read once; a step whose file changes while it runs is not kept."""
 
     def __init__(self, folder: str, inputs: Inputs) -> None:
         self.folder = os.path.abspath(folder)
         self._inputs = inputs
         self._hashes: dict[str, str] = {}
+        self._seen: dict[str, Seen] = {}
+        self._inside: dict[str, set[str]] = {}
 
     def find(self, text: str, folder: str | None = None) -> Named | None:
         """Return the file that ``text`` names, seen from ``folder`` (the study's), if there is such a file."""
@@ -287,14 +318,28 @@ class FileKnowledge:
     def digest(self, path: str, depth: int = 0) -> str:
         """Return the hash of a file and of every file that it names, if it is a document."""
         if path not in self._hashes:
+            before = os.stat(path)
             data = self._inputs.read(path)
             whole = hashlib.sha256(data)
+            self._seen[path] = Seen(path, before.st_size, before.st_mtime_ns, whole.hexdigest())
             if path.endswith((".toml", ".json")) and depth < _MAX_DEPTH:
                 self._hashes[path] = ""  # a document that names itself ends here
-                for name in sorted(self._named(data, path)):
+                self._inside[path] = self._named(data, path)
+                for name in sorted(self._inside[path]):
                     whole.update(self.digest(name, depth + 1).encode())
             self._hashes[path] = whole.hexdigest()
         return self._hashes[path]
+
+    def seen(self, paths: Iterable[str]) -> tuple[Seen, ...]:
+        """Return files whose hash was asked for as they were read, with those that documents among them name."""
+        found: dict[str, Seen] = {}
+        left = list(paths)
+        while left:
+            path = left.pop()
+            if path not in found:
+                found[path] = self._seen[path]
+                left += self._inside.get(path, ())
+        return tuple(found[path] for path in sorted(found))
 
     def _named(self, data: bytes, path: str) -> set[str]:
         try:

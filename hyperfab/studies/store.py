@@ -27,8 +27,10 @@ from hyperfab.system import BINARY
 
 #: The file whose being there says that a step is finished.
 OUTCOME = "outcome.json"
+#: The status of a step one of whose files is no longer what the study read; its message is which.
+CHANGED = 75
 #: Statuses that say nothing about the case: the step is run again by the next run of the study.
-PASSING = frozenset({5, 70, 130, 143})
+PASSING = frozenset({5, 70, CHANGED, 130, 143})
 
 
 def is_result(status: object) -> bool:

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from hyperfab.chapters.job import Job
 from hyperfab.chapters.summary import paragraph
 from hyperfab.console import Console
 from hyperfab.errors import InputError, OutputError, UsageError
+from hyperfab.studies.store import Outcome
 
 pytest.importorskip("distributed", reason="Dask is not installed (pip install . brings it)")
 
@@ -246,6 +248,35 @@ def test_one_column_is_of_one_thing(shop: Shop, old: str, new: str, words: str) 
     (shop.folder / "study.toml").write_text(text)
     with pytest.raises(InputError, match=re.escape(words)):
         shop.inline("out")
+
+
+def test_what_was_found_with_a_file_that_changed_meanwhile_is_not_kept(
+    shop: Shop, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A step is known by what its files held: found with others, it would be taken for that ever after."""
+    shop.study()
+    text = (shop.folder / "study.toml").read_text().replace('"{b * 1}"', '"{b * 1}", "n.json"')
+    (shop.folder / "study.toml").write_text(text)
+    number, run, seen = shop.folder / "n.json", trivial.run, 0
+
+    def changing(command: str, words: Sequence[str], output: str) -> Outcome:
+        nonlocal seen
+        if output.endswith("second.json"):
+            seen += 1
+            number.touch()  # written anew, and the same
+            if seen == 4:
+                number.write_text('{"sum": 20}')
+        return run(command, words, output)
+
+    number.write_text('{"sum": 10}')
+    monkeypatch.setattr(trivial, "run", changing)
+    with pytest.raises(InputError, match="changed while the study ran") as error:
+        shop.inline("out")
+    assert str(error.value).startswith(str(number))
+    number.write_text('{"sum": 10}')
+    assert shop.inline("out")[0] == 0
+    table = [row.split(",") for row in shop.table("out").decode().splitlines()[1:]]
+    assert [float(row[4]) for row in table] == [10.0 + float(row[1]) + float(row[2]) for row in table]
 
 
 def test_a_full_disk_stops_the_study_and_the_next_run_goes_on(shop: Shop) -> None:
