@@ -61,13 +61,22 @@ def read_fabric(job: Job, name: str, degrees: float | None = None, thickness: fl
     """
     read = read_fabric_document(job, name, degrees, thickness)
     read.used_at(job)
+    warn_of_effects(job, read, "the sheet does")
     return sheet_of(read)
+
+
+def warn_of_effects(job: Job, read: FabricDocument, who: str) -> None:
+    """Warn of the effects in a document that a sheet does not obey; ``left_out`` has the reasons."""
+    names = [one.partition(":")[0] for one in judged(read.document, read.asked)[1]]
+    names = [name for name in dict.fromkeys(names) if name != "thermal-softening"]
+    if names:
+        job.console.warn(f"{read.name}: {who} not act on {', '.join(names)} (left_out says why)")
 
 
 def sheet_of(read: FabricDocument) -> Fabric:
     """Return the sheet's law of a material document; InputError where it is wrong."""
     fabric = _of_directions(read)
-    obeyed, left_out = _judged(read.document, read.asked)
+    obeyed, left_out = judged(read.document, read.asked)
     ways = ("warp", "weft") if read.two_directions else (None,)
     known = [read.document.tested_stretch(way) for way in ways]
     lows, highs = zip(*(one for one in known if one is not None), strict=True) if all(known) else ((), ())
@@ -117,7 +126,7 @@ def _ground(fibres: Material) -> Material:
     return bind("neo-hookean", {"C10_MPa": fibres.parameters["C10_MPa"]})
 
 
-def _judged(document: MaterialDocument, degrees: float | None) -> tuple[list[str], list[str]]:
+def judged(document: MaterialDocument, degrees: float | None) -> tuple[list[str], list[str]]:
     """Say which effects the sheet obeys, and which it does not and why."""
     obeyed, left_out = [], []
     for effect in document.effects or []:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from conftest import Run
 
 from hyperfab.cases.drape import DrapeCase
 from hyperfab.cases.options import read
@@ -274,3 +276,30 @@ def test_straight_elements_meet_the_tolerance_they_state(hf, made):
     assert done.returncode == 0
     assert found["setup"]["elements"].startswith("P1")
     assert found["force_N"] == pytest.approx(41.576556565, rel=5e-4)
+
+
+@pytest.mark.parametrize("command", ["net", "membrane", "contact", "against"])
+def test_an_effect_that_a_sheet_does_not_obey_is_said_by_every_command(
+    hf: Run, tmp_path: Path, root: Path, command: str
+) -> None:
+    """On standard error and in the document, also of the fabric that another is compared with."""
+    plain = {"format": "hyperfab.material/1", "model": "neo-hookean", "parameters": {"C10_MPa": 0.1}, "thickness_mm": 1}
+    effects = [{"id": "rate", "form": "prony-1", "parameters": {"g1": 0.5, "tau1_s": 10.0}}]
+    (tmp_path / "plain.json").write_text(json.dumps(plain))
+    (tmp_path / "fabric.json").write_text(json.dumps({**plain, "effects": effects}))
+    pressed = ("--depth", "10mm", "--steps", "1", "--mesh-size", "30mm")
+    cup = root / "molds" / "cup-male.stl"
+    draped = ("drape", "fabric.json", "--mold", cup, "--grid", "11x11", "--size", "260mmx260mm", "--depth", "20mm")
+    words = {
+        "net": draped,
+        "membrane": (*draped, "--sheet", "membrane"),
+        "contact": ("fabric-contact", "fabric.json", *pressed),
+        "against": ("fabric-contact", "plain.json", "--against", "fabric.json", *pressed),
+    }[command]
+    done = hf(*words, "-o", "-", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert b"fabric.json: the " in done.stderr
+    assert b" not act on rate" in done.stderr
+    told = [one for one in json.loads(done.stdout)["left_out"] if "rate: the sheet is pressed slowly" in one]
+    assert len(told) == 1
+    assert told[0].startswith("fabric.json") == (command == "against")

@@ -12,7 +12,7 @@ from hyperfab.chapters.drape.curves import read_curve
 from hyperfab.chapters.fabric import per_width, read_fabric_document
 from hyperfab.chapters.job import Job
 from hyperfab.chapters.sheet import Fabric as SheetFabric
-from hyperfab.chapters.sheet import sheet_of
+from hyperfab.chapters.sheet import judged, sheet_of, warn_of_effects
 from hyperfab.cloth import SpringLaw
 from hyperfab.cloth.law import Pulled, spring_law
 from hyperfab.documents.drape import SpringUse
@@ -42,7 +42,8 @@ class Fabric:
     """The springs along warp and weft, and the sheet's thickness in mm.
 
     ``temperature`` [degC] is the laws', where known, ``held_at`` that of the constants where they were not tested
-    there. ``whole`` is the law of the sheet as a membrane, where that is asked for.
+    there. ``whole`` is the law of the sheet as a membrane, where that is asked for; ``left_out`` says which effects of
+    the document the springs do not obey, and why.
     """
 
     ways: tuple[Way, Way]
@@ -50,6 +51,7 @@ class Fabric:
     temperature: float | None = None
     held_at: float | None = None
     whole: SheetFabric | None = None
+    left_out: tuple[str, ...] = ()
 
     @property
     def warp(self) -> SpringLaw:
@@ -128,13 +130,7 @@ def _of_document(job: Job, name: str, case: DrapeCase, thickness: float | None) 
     document = read.document
     if document.thickness_nominal:
         job.console.note(per_width(name))
-    untold = [
-        str(effect.get("id", "?"))
-        for effect in document.effects or []
-        if not effect.get("told_by") and effect.get("id") not in ("elastic-law", "thermal-softening")
-    ]
-    if untold and case.sheet == "net":
-        job.console.warn(f"{name}: the springs do not act on {', '.join(untold)}: they answer as on a first, slow pull")
+    warn_of_effects(job, read, "the springs do" if case.sheet == "net" else "the sheet does")
     whole, ways = read.sheet(), []
     for direction, angle in (("warp", 0.0), ("weft", 90.0)):
         own = direction in (document.directions or {})
@@ -150,6 +146,7 @@ def _of_document(job: Job, name: str, case: DrapeCase, thickness: float | None) 
         read.temperature,
         read.held_at,
         sheet_of(read) if case.sheet == "membrane" else None,
+        tuple(judged(document, case.temperature)[1]),
     )
 
 

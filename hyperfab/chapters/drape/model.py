@@ -92,7 +92,7 @@ class Model:
             missing.append("temperature: the laws are taken as they stand, at the temperature of their tests")
         whole = self.files.fabric.whole
         if whole is None:
-            return [*missing, "bending stiffness", *NET]
+            return [*missing, "bending stiffness", *NET, *self.files.fabric.left_out]
         edges = [EDGES] if len(self.mold.creases.corners) else []
         return [*missing, "bending stiffness", *edges, *whole.left_out]
 

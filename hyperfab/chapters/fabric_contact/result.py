@@ -110,6 +110,7 @@ def document(setup: Setup, tested: Sequence[Tested]) -> ContactDocument:
         setup=_setup(setup, one.fabric),
         left_out=[
             *one.fabric.left_out,
+            *(f"{os.path.basename(each.fabric.name)}: {why}" for each in others for why in each.fabric.left_out),
             "weight of the sheet",
             "bending stiffness of the fabric",
             *_half_thickness(setup),
