@@ -3,7 +3,9 @@
 A mold's STL has its vertices on the machined surface and its facets as chords below it, by about h^2 kappa / 8. Left
 alone that shifts every gap to one side by hundredths of a millimetre. Each facet is therefore curved with the
 quadratic that the normals at its three corners ask for. At edges that are creases, by more than CREASE_DEG, each side
-has normals of its own, and the edge is the curve that lies on both.
+has normals of its own, and the edge is the curve that lies on both. Where a plane goes over into a blend the curvature
+jumps, and each side tells its own: normals at the plane's end are the plane's, those at the first corners off it come
+from the facets beyond, and no edge between them dips below the plane.
 """
 
 from __future__ import annotations
@@ -25,6 +27,14 @@ _SHARP_DEG = 45.0
 _KNIFE = 0.1
 #: Normals at a vertex that are apart by no more, but for rounding, are of one side.
 _ONE_SIDE = 1e-5
+#: Facets that turn by no more [rad] are level: an STL's corners are rounded.
+_LEVEL = 2e-4
+#: Facets level with each other are a plane where their edges turn over the way across by so many times less than others
+#: of the facets beyond: of what is curved all over they turn as much.
+_LESS = 3.0
+#: An edge that leaves a plane ends no steeper than so many times its chord. From 3 on it would dip below the plane,
+#: from 2.5 on the facet within; a parabola's end is 2.
+_STEEPEST = 2.5
 
 
 @dataclass(frozen=True)
@@ -51,16 +61,24 @@ class Curving:
 
     def off(self, face: Ints, points: Array) -> Array:
         """The way (n, 3) [mm] from ``points`` (n, 3) on the facets ``face`` (n,) to the smooth surface."""
-        weights = barycentric(self.surface, face, points)
+        return self.off_at(face, barycentric(self.surface, face, points))
+
+    def off_at(self, face: Ints, weights: Array) -> Array:
+        """The same where the corners of the facets have ``weights`` (n, 3)."""
         after = np.roll(weights, -1, axis=1)
         bent = self.bulge[face] + (weights - after)[..., None] * self.skew[face]
         return np.asarray(np.einsum("ne,nec->nc", weights * after, bent))
 
     def normal(self, face: Ints, points: Array) -> Array:
         """Unit normals (n, 3) of the smooth surface there."""
-        weights = barycentric(self.surface, face, points)
-        mean = (weights[..., None] * self.normals[face]).sum(axis=1)
-        return np.asarray(mean / np.linalg.norm(mean, axis=1, keepdims=True))
+        return self.normal_at(face, barycentric(self.surface, face, points))
+
+    def normal_at(self, face: Ints, weights: Array) -> Array:
+        """The same where the corners of the facets have ``weights`` (n, 3)."""
+        mean = np.einsum("nc,ncx->nx", weights, self.normals[face])
+        length = np.linalg.norm(mean, axis=1, keepdims=True)
+        # Between normals that are opposite there is none: the surface is folded there.
+        return np.where(length > 0.5, mean / np.maximum(length, 0.5), self.surface.normals[face])
 
     def reach(self, face: Ints, points: Array, directions: Array) -> Array:
         """How much further (n,) [mm] rays along ``directions`` (n, 3) go from the facets to the smooth surface."""
@@ -90,22 +108,17 @@ class Drawn:
         """The surface as drawn."""
         return Surface(vertices[: self.faces.max() + 1], self.faces)
 
-    def along(self, edges: Flags) -> Flags:
-        """Which edges (m, 3) of the parts lie on those of ``edges`` (k, 3) of the facets as drawn."""
-        found = np.zeros(self.weights.shape[:2], dtype=bool)
+    def curving(self, surface: Surface) -> Curving:
+        """How the parts curve, all of ``surface``: their edges lie on the patches of the facets as drawn."""
+        whole = curving(self.whole(surface.vertices))
+        normals = whole.normal_at(np.repeat(self.of, 3), self.weights.reshape(-1, 3)).reshape(self.weights.shape)
+        bulge, skew = np.zeros((2, *self.weights.shape))
         for edge in range(3):
-            # On an edge of a facet the weight of the corner off it is none.
-            on = (self.weights[:, edge] == 0.0) & (self.weights[:, (edge + 1) % 3] == 0.0)
-            found[:, edge] = (on & np.roll(edges[self.of], -1, axis=1)).any(axis=1)
-        return found
-
-    def corner_normals(self, vertices: Array) -> Array:
-        """Unit normals (m, 3, 3) at the corners of each part, of the smooth surface behind the facets as drawn."""
-        whole = self.whole(vertices)
-        found = np.einsum("mkc,mcx->mkx", self.weights, corner_normals(whole)[self.of])
-        length = np.linalg.norm(found, axis=2, keepdims=True)
-        # Between normals that are opposite there is none: the surface is folded there.
-        return np.where(length > 0.5, found / np.maximum(length, 0.5), whole.normals[self.of][:, None])
+            start, end = self.weights[:, edge], self.weights[:, (edge + 1) % 3]
+            first, one, two, last = (whole.off_at(self.of, start + k / 3.0 * (end - start)) for k in range(4))
+            one, two = one - (2.0 * first + last) / 3.0, two - (first + 2.0 * last) / 3.0
+            bulge[:, edge], skew[:, edge] = 9.0 / 4.0 * (one + two), 27.0 / 4.0 * (one - two)
+        return Curving(surface, normals, bulge, skew)
 
 
 def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -> Curving:
@@ -114,15 +127,17 @@ def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -
     bulge, skew, upright = np.zeros((3, *surface.faces.shape, 3))
     if not smooth:
         return Curving(surface, np.repeat(surface.normals[:, None], 3, axis=1), bulge, skew)
-    creased = creases(surface, drawn)
-    normals = corner_normals(surface, drawn)
+    if drawn is not None:
+        return drawn.curving(surface)
+    creased, every = creases(surface), np.arange(len(surface.faces))
+    normals, flat = _corners(surface, creased)
     for edge in range(3):
         a, b = surface.faces[:, edge], surface.faces[:, (edge + 1) % 3]
         # From the lower number to the higher: both facets of an edge find the same to the last bit.
-        turned = (a > b)[:, None]
-        ends = normals[:, edge], normals[:, (edge + 1) % 3]
-        low, high = np.where(turned, ends[1], ends[0]), np.where(turned, ends[0], ends[1])
+        ends = np.where(a < b, edge, (edge + 1) % 3), np.where(a < b, (edge + 1) % 3, edge)
+        (low, low_flat), (high, high_flat) = ((normals[every, end], flat[every, end]) for end in ends)
         chord = surface.vertices[np.maximum(a, b)] - surface.vertices[np.minimum(a, b)]
+        low, high = _eased(high, low, -chord, high_flat), _eased(low, high, chord, low_flat)
         mean, turn = low + high, high - low
         length = np.linalg.norm(mean, axis=1)
         # Where normals are opposite no curve is told.
@@ -135,6 +150,15 @@ def curving(surface: Surface, smooth: bool = True, drawn: Drawn | None = None) -
     _meet(surface, creased, upright, bulge)
     _meet(surface, creased, upright, skew, -1.0)
     return Curving(surface, normals, bulge, skew)
+
+
+def _eased(near: Array, far: Array, chord: Array, flat: Flags) -> Array:
+    """Return the normals ``far`` (n, 3) at the ends of ``chord`` (n, 3); where these leave a ``flat`` (n,) whose normal
+    is ``near``, no steeper than so that the edge does not dip below it."""
+    rise, slope = (chord * near).sum(axis=1), (chord * (near - far)).sum(axis=1)
+    leaves = flat & (slope != 0.0)
+    share = np.clip(_STEEPEST * rise / np.where(leaves, slope, 1.0), 0.0, 1.0)
+    return np.where(leaves[:, None], _unit(near + share[:, None] * (far - near)), far)
 
 
 def _meet(surface: Surface, creased: Flags, upright: Array, bend: Array, turned: float = 1.0) -> None:
@@ -155,14 +179,12 @@ def _meet(surface: Surface, creased: Flags, upright: Array, bend: Array, turned:
     bend[face, edge], bend[other, back] = both, turned * both
 
 
-def creases(surface: Surface, drawn: Drawn | None = None) -> Flags:
-    """Which edges (m, 3) are creases; of facets that were cut, those of the facets as ``drawn``.
+def creases(surface: Surface) -> Flags:
+    """Which edges (m, 3) are creases.
 
     A crease goes on at both its ends, or ends at a border. Edges that turn as much and do not are the steepest of a
     blend in few facets: were they taken for creases, the surface would be torn there and be whole beside them.
     """
-    if drawn is not None:
-        return drawn.along(creases(drawn.whole(surface.vertices)))
     turn = np.abs(surface.edge_turn)
     found = turn > np.radians(CREASE_DEG)
     face, edge = np.nonzero(found & (surface.twins > np.arange(len(found))[:, None]))
@@ -186,22 +208,77 @@ def creases(surface: Surface, drawn: Drawn | None = None) -> Flags:
     return np.asarray(found)
 
 
-def corner_normals(surface: Surface, drawn: Drawn | None = None) -> Array:
-    """Return unit normals (m, 3, 3) at the corners of each facet, of the smooth surface on its side of creases; of
-    facets that were cut, those of the facets as ``drawn``."""
-    if drawn is not None:
-        return drawn.corner_normals(surface.vertices)
+def _corners(surface: Surface, creased: Flags) -> tuple[Array, Flags]:
+    """Return unit normals (m, 3, 3) at the corners of each facet, of the smooth surface on its side of ``creased``
+    (m, 3) edges, and at which corners (m, 3) that side has a plane."""
     faces, twins = surface.faces, surface.twins
-    face, edge = np.nonzero(~creases(surface) & (twins >= 0))
+    face, edge = np.nonzero(~creased & (twins >= 0))
     other = twins[face, edge]
     own, across = [], []
     for corner in (edge, (edge + 1) % 3):
         own.append(3 * face + corner)
         across.append(3 * other + np.argmax(faces[other] == faces[face, corner][:, None], axis=1))
-    ends = np.concatenate(own), np.concatenate(across)
-    joined = coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(faces.size, faces.size))
-    count, side = connected_components(joined, directed=False)
-    return _summed(surface, side.reshape(-1, 3), count)[side].reshape(*faces.shape, 3)
+    count, side = _joined(np.concatenate(own), np.concatenate(across), faces.size)
+    side = side.reshape(-1, 3)
+    plane = _planes(surface, creased)
+    flat = (np.bincount(side[plane].ravel(), minlength=count) > 0)[side]
+    ways = np.repeat(surface.normals[:, None], 3, axis=1)
+    ways[flat & ~plane[:, None]] = 0.0
+    _rise(surface, side, plane, flat, ways)
+    return _summed(surface, side, count, ways)[side], flat
+
+
+def _planes(surface: Surface, creased: Flags) -> Flags:
+    """Which facets (m,) are parts of planes: of some that are level all around a vertex, or wide beside others. The
+    halves of a quadrangle and the parts of a cylinder's strip are level too."""
+    level = (np.abs(surface.edge_turn) <= _LEVEL) & (surface.twins >= 0)
+    face, edge = np.nonzero(level)
+    _, region = _joined(face, surface.twins[face, edge], len(level))
+    plane = np.bincount(region) > 1
+    face, edge = np.nonzero(~level & ~creased & (surface.twins >= 0))
+    other, ends = surface.twins[face, edge], (surface.faces[face, edge], surface.faces[face, (edge + 1) % 3])
+    length = np.linalg.norm(surface.vertices[ends[1]] - surface.vertices[ends[0]], axis=1)
+    curved = np.abs(surface.edge_turn[face, edge]) * length / (surface.areas[face] + surface.areas[other])
+    most = np.zeros(len(plane))
+    np.maximum.at(most, region[face], curved)
+    plane[region[face[_LESS * curved >= most[region[other]]]]] = False
+    within = np.ones(len(surface.vertices), dtype=bool)
+    for k in range(3):
+        within[surface.faces[~level[:, k]][:, [k, (k + 1) % 3]]] = False
+    plane[region[within[surface.faces].any(axis=1)]] = True
+    return np.asarray(plane[region])
+
+
+def _rise(surface: Surface, side: Ints, plane: Flags, flat: Flags, ways: Array) -> None:
+    """Let ``ways`` (m, 3, 3) of the facets tell the normals at the first corners off a ``plane`` (m,) by what is beyond
+    them: the facets between them and its ``flat`` (m, 3) corners are part plane, part blend.
+
+    The normal of a blend that is round leaves the plane's with the root of the height. ``side`` (m, 3) are the sides of
+    creases.
+    """
+    between = flat.any(axis=1) & ~plane
+    upright, start = np.zeros((side.max(initial=-1) + 1, 3)), np.full(side.max(initial=-1) + 1, -1)
+    upright[side[plane]] = surface.normals[plane][:, None]
+    face, corner = np.nonzero(between[:, None] & ~flat)
+    start[side[face, corner]] = 3 * face + np.argmax(flat[face], axis=1)
+    face, corner = np.nonzero(~between[:, None] & (start[side] >= 0))
+    foot = start[side[face, corner]]
+    up, base = upright[side.ravel()[foot]], surface.vertices[surface.faces.ravel()[foot]]
+    heights = np.einsum("nkx,nx->nk", surface.vertices[surface.faces[face]] - base[:, None], up)
+    own = heights[np.arange(len(face)), corner]
+    root = np.sqrt(np.maximum(heights * np.sign(own)[:, None], 0.0))
+    both = root.min(axis=1) + root.max(axis=1)
+    share = 2.0 * np.sqrt(np.abs(own)) / np.where(both > 0.0, both, 1.0)
+    told = np.bincount(side[face, corner], minlength=len(start)) > 0
+    ways[told[side] & between[:, None]] = 0.0
+    ways[face, corner] = up + share[:, None] * (surface.normals[face] - up)
+
+
+def _joined(one: Ints, other: Ints, count: int) -> tuple[int, Ints]:
+    """Return how many there are of what hangs together where ``one`` (n,) is joined to the ``other`` (n,), and to which
+    each (count,) belongs."""
+    graph = coo_array((np.ones(len(one), dtype=bool), (one, other)), shape=(count, count))
+    return connected_components(graph, directed=False)
 
 
 def one_sided(faces: Ints, normals: Array) -> tuple[Ints, Ints, Array]:
@@ -232,21 +309,25 @@ def smooth_normals(surface: Surface) -> Array:
 
     They are exact where the vertices lie on a sphere, however irregular the facets (J. Graphics Tools 4 (1999) 1).
     """
-    return _summed(surface, surface.faces, len(surface.vertices))
+    return _summed(surface, surface.faces, len(surface.vertices), np.repeat(surface.normals[:, None], 3, axis=1))
 
 
-def _summed(surface: Surface, at: Ints, count: int) -> Array:
-    """Unit normals (count, 3) of the weighted normals of facets, each corner's summed ``at`` (m, 3)."""
+def _summed(surface: Surface, at: Ints, count: int, ways: Array) -> Array:
+    """Unit normals (count, 3): the weighted ``ways`` (m, 3, 3) of facets at their corners, summed ``at`` (m, 3)."""
     total = np.zeros((count, 3))
     corners = [surface.vertices[surface.faces[:, k]] for k in range(3)]
     for k in range(3):
         one, two = corners[(k + 1) % 3] - corners[k], corners[(k + 2) % 3] - corners[k]
         lengths = (one * one).sum(axis=1) * (two * two).sum(axis=1)
-        weighted = np.cross(one, two) / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+        weight = 2.0 * surface.areas / np.where(lengths > 0.0, lengths, 1.0)
         for axis in range(3):
-            total[:, axis] += np.bincount(at[:, k], weights=weighted[:, axis], minlength=count)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    return np.asarray(total / np.where(length > 0.0, length, 1.0))
+            total[:, axis] += np.bincount(at[:, k], weights=weight * ways[:, k, axis], minlength=count)
+    return _unit(total)
+
+
+def _unit(ways: Array) -> Array:
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    return np.asarray(ways / np.where(length > 0.0, length, 1.0))
 
 
 def barycentric(surface: Surface, face: Ints, points: Array) -> Array:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.spatial import ConvexHull, cKDTree
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import Curving, Drawn, barycentric, creases, curving
+from hyperfab.pressing.curved import Curving, Drawn, barycentric, curving
 from hyperfab.pressing.mold import LOOKING, extent
 from hyperfab.surface import Surface
 from hyperfab.surface.topology import sides
@@ -21,9 +19,6 @@ _LONGEST = 1.0 / 20.0
 _AT_EDGES, _EDGE_DEG = 1.0 / 16.0, 45.0
 #: ... and from there on no longer than so many times the way to the edge: the nearest gap changes all along it.
 _GRADING = 1.0
-#: A facet is flat where the smooth surface is level with it by so much at a corner [rad]: beside it the surface begins
-#: to curve, and normals on that edge, which are of both sides, are none of the facet.
-_LEVEL = 1e-3
 #: Edges are as long as each other where they differ by this share: an STL's corners are rounded.
 _ROUNDED = 1e-4
 #: What part of the most that facets may stand off by is next to nothing.
@@ -99,7 +94,7 @@ def dense(
     face = np.empty(len(vertices), dtype=of.dtype)
     face[faces] = of[:, None]
     new = np.arange(len(surface.vertices), len(vertices))
-    vertices[new] += _straightened(curving(surface, smooth)).off(face[new], vertices[new])
+    vertices[new] += curving(surface, smooth).off(face[new], vertices[new])
     return Surface(vertices, faces), drawn
 
 
@@ -119,11 +114,7 @@ def bent(curve: Curving, most: float, off: float) -> tuple[Surface, Array]:
     surface = curve.surface
     vertices, faces, of = surface.vertices, surface.faces, np.arange(len(surface.faces))
     while True:
-        weights = barycentric(surface, np.repeat(of, 3), vertices[faces].reshape(-1, 3)).reshape(-1, 3, 3)
-        normals = np.einsum("mkc,mcx->mkx", weights, curve.normals[of])
-        length = np.linalg.norm(normals, axis=2, keepdims=True)
-        # Between normals that are opposite there is none: the surface is folded there.
-        normals = np.where(length > 0.5, normals / np.maximum(length, 0.5), surface.normals[of][:, None])
+        normals = curve.normal(np.repeat(of, 3), vertices[faces].reshape(-1, 3)).reshape(-1, 3, 3)
         ends, number = sides(faces, len(vertices))
         turn = np.linalg.norm(np.roll(normals, -1, axis=1) - normals, axis=2)
         far = np.linalg.norm(vertices[ends[:, 1]] - vertices[ends[:, 0]], axis=1)[number] * turn / 8.0
@@ -186,21 +177,6 @@ def _edge_points(surface: Surface, towards: Array, apart: float) -> Array:
     step = np.arange(len(one)) - np.repeat(np.cumsum(count) - count, count)
     share = (step / np.maximum(count - 1, 1)[one])[:, None]
     return np.asarray(start[one] + share * (end[one] - start[one]))
-
-
-def _straightened(curve: Curving) -> Curving:
-    """Return the curving with edges straight of which one end tells less than the other: those of flat facets, but for
-    creases, and those that start at a crease, where normals are of one side, and end away from any."""
-    surface = curve.surface
-    flat = ((curve.normals * surface.normals[:, None]).sum(axis=2) > np.cos(_LEVEL)).any(axis=1)
-    creased = creases(surface)
-    ends, number = sides(surface.faces, len(surface.vertices))
-    straight = np.bincount(number[flat][~creased[flat]], minlength=len(ends)) > 0
-    on_crease = np.zeros(len(surface.vertices), dtype=bool)
-    on_crease[ends[number[creased]]] = True
-    straight |= on_crease[ends[:, 0]] != on_crease[ends[:, 1]]
-    bent = ~straight[number, None]
-    return replace(curve, bulge=np.where(bent, curve.bulge, 0.0), skew=np.where(bent, curve.skew, 0.0))
 
 
 def _cut(vertices: Array, faces: Ints, of: Ints, chosen: Flags, longest: float) -> tuple[Array, Ints, Ints, bool]:

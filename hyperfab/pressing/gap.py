@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 
@@ -21,8 +20,8 @@ OBLIQUE_DEG = 30.0
 _OFF = 1e-6
 #: A front stands up where it rises by this share of its extent.
 _RISES = 0.05
-#: Of that extent, heights that are apart by no more are one level, and what dips below the rim by no more is a hair.
-_LEVEL, _HAIR = 1e-5, 4e-3
+#: Of that extent, heights that are apart by no more are one level.
+_LEVEL = 1e-5
 
 
 @dataclass(frozen=True)
@@ -190,7 +189,7 @@ def _rim(male: Mold, looking: Flags) -> tuple[Flags, Flags]:
 
 
 def _flange(front: Surface, body: Ints) -> tuple[Flags, Flags]:
-    """Faces of the flat rim: at the front's level or below, flat across the axis, while the rest rises clearly above.
+    """Faces of the flat rim: at the front's lowest level, flat across the axis, while the rest rises clearly above.
 
     Its share must be worth mentioning (3 %); a front that is flat throughout has no flange. A mesh need not follow
     the line where the rim begins to rise. Of the faces across it those count as rim whose slope is less than an
@@ -208,8 +207,10 @@ def _flange(front: Surface, body: Ints) -> tuple[Flags, Flags]:
     if np.ptp(heights[own]) < _RISES * span:
         own[:] = True
         span = extent(front.vertices, front.faces)
-    level, rise = _level(heights[own], front.areas[own], span), float(np.ptp(heights[own]))
-    ground = front.vertices[:, 2] <= level + _LEVEL * span
+    low, rise = float(heights[own].min()), float(np.ptp(heights[own]))
+    # Within, facets that begin to rise from it dip below it by next to nothing, and are not level there.
+    level = own & (np.ptp(heights, axis=1) <= _LEVEL * span) & (heights.max(axis=1) <= low + 5.0 * _LEVEL * span)
+    ground = front.vertices[:, 2] <= (float(heights[level].min()) if level.any() else low) + _LEVEL * span
     on_ground = ground[front.faces].sum(axis=1)
     flat = on_ground == 3
     aside = ~own & (np.bincount(body, weights=~flat) == 0.0)[body]
@@ -223,25 +224,3 @@ def _flange(front: Surface, body: Ints) -> tuple[Flags, Flags]:
     if next_inward.any():
         flat |= across & (slope < np.median(slope[next_inward]) / 8.0)
     return flat, aside
-
-
-def _level(heights: Array, areas: Array, span: float) -> float:
-    """Height [mm] of the rim, of faces with ``heights`` (m, 3) at their corners and ``areas`` (m,) [mm^2]: the lowest,
-    or one that is higher by no more than a hair where more area lies level, and more than all that lies below: at the
-    foot of a dome a surface behind few facets dips.
-    """
-    least, most = heights.min(axis=1), heights.max(axis=1)
-    low = float(least.min())
-    flat = np.flatnonzero((most - least <= _LEVEL * span) & (least <= low + _HAIR * span))
-    flat = flat[np.argsort(least[flat], kind="stable")]
-    at = least[flat]
-    level = _below(at, areas[flat], at + _LEVEL * span) - _below(at, areas[flat], at, "left")
-    level[level <= 0.5 * _below(most, areas, at + _LEVEL * span)] = 0.0
-    return float(at[np.argmax(level)]) if level.any() else low
-
-
-def _below(heights: Array, areas: Array, tops: Array, side: Literal["left", "right"] = "right") -> Array:
-    """Area (n,) [mm^2] of faces of ``heights`` (m,) up to each of ``tops`` (n,)."""
-    order = np.argsort(heights, kind="stable")
-    total = np.concatenate([[0.0], np.cumsum(areas[order])])
-    return np.asarray(total[np.searchsorted(heights[order], tops, side=side)])

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hyperfab.arrays import Array, Flags, Ints
-from hyperfab.pressing.curved import Curving, Drawn, corner_normals, curving
+from hyperfab.pressing.curved import Curving, Drawn, curving
 from hyperfab.pressing.tetra import TetraMesh, at_boundary
 from hyperfab.surface import Surface
 
@@ -107,7 +107,7 @@ class Mold:
     @cached_property
     def corner_normals(self) -> Array:
         """Unit normals (m, 3, 3) of the smooth surface at the corners of each facet, on its side of creases."""
-        return self.curving.normals if self.smooth else corner_normals(self.surface, self.drawn)
+        return (self.curving if self.smooth else curving(self.surface, drawn=self.drawn)).normals
 
     @cached_property
     def front_curving(self) -> Curving:

@@ -112,23 +112,23 @@ def test_parts_of_facets_have_the_creases_of_the_facets_that_were_cut(degrees, s
     drawing = cone(degrees, sides)
     fine, drawn = dense(drawing, UP, drawing)
     assert drawn is not None
-    found = creases(fine, drawn)
-    corners = fine.vertices[fine.faces]
-    length = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)[found].sum()
-    assert length == pytest.approx(2.0 * 2.0 * np.pi * (25.0 + 40.0), rel=1e-3)
-    # Each side has normals of its own all along it, and both curve up to one curve.
     curve = curving(fine, True, drawn)
     face, edge = np.nonzero(fine.twins >= 0)
     other = fine.twins[face, edge]
     back = np.argmax(fine.faces[other] == fine.faces[face, (edge + 1) % 3][:, None], axis=1)
+    # Each side has normals of its own all along it, and both curve up to one curve.
     own, across = curve.normals[face, edge], curve.normals[other, (back + 1) % 3]
-    assert ((np.abs(own - across).max(axis=1) > 1e-6) == found[face, edge]).all()
+    found = np.abs(own - across).max(axis=1) > 1e-6
+    ends = fine.vertices[fine.faces[face, edge]], fine.vertices[fine.faces[face, (edge + 1) % 3]]
+    assert np.linalg.norm(ends[1] - ends[0], axis=1)[found].sum() == pytest.approx(
+        4.0 * np.pi * (25.0 + 40.0), rel=1e-3
+    )
     assert curve.bulge[face, edge] == pytest.approx(curve.bulge[other, back], abs=1e-12)
     assert curve.skew[face, edge] == pytest.approx(-curve.skew[other, back], abs=1e-12)
 
 
 @pytest.mark.parametrize(
-    ("cells", "worst", "rms"), [(12, 1.3, 0.29), (16, 0.8, 0.15), (20, 0.5, 0.085), (30, 0.21, 0.0275)]
+    ("cells", "worst", "rms"), [(12, 0.95, 0.2), (16, 0.55, 0.105), (20, 0.36, 0.056), (30, 0.16, 0.0175)]
 )
 def test_a_blend_in_few_facets_is_no_crease(cells, worst, rms) -> None:
     """The foot of the cup turns by 25 to 50 degrees from facet to facet, here a little more and there a little less."""
@@ -141,7 +141,7 @@ def test_a_blend_in_few_facets_is_no_crease(cells, worst, rms) -> None:
     u, v = np.random.default_rng(1).uniform(-1.05, 1.05, (2, 4000))
     points, normals = cup.male_point(u, v)
     off = nearest_gap(points + cup.normal_gap(u, v)[:, None] * normals, female).nearest
-    # Taken for creases, edges of the foot made these 1.79, 0.91, 0.49, 0.20 and 0.317, 0.173, 0.096, 0.030 mm.
+    # Taken for creases, edges of the foot made these 1.70, 0.91, 0.42, 0.18 and 0.245, 0.137, 0.073, 0.021 mm.
     assert np.abs(off).max() < worst
     assert np.sqrt(np.mean(off**2)) < rms
 
