@@ -29,9 +29,10 @@ _KNIFE = 0.1
 _ONE_SIDE = 1e-5
 #: Facets that turn by no more [rad] are level: an STL's corners are rounded.
 _LEVEL = 2e-4
-#: Facets level with each other are a plane where their edges turn over the way across by so many times less than others
-#: of the facets beyond: of what is curved all over they turn as much.
-_LESS = 3.0
+#: Facets level with each other are a plane where their edges turn, over the way across, by so many times less than
+#: others of the facets beyond; and by how many where they have a corner at which nothing turns but creases and borders.
+#: Of what is curved all over they turn as much, beside an inflection by up to three times less.
+_LESS, _LESS_STILL = 3.0, 1.5
 #: An edge that leaves a plane ends no steeper than so many times its chord. From 3 on it would dip below the plane,
 #: from 2.5 on the facet within; a parabola's end is 2.
 _STEEPEST = 2.5
@@ -229,22 +230,25 @@ def _corners(surface: Surface, creased: Flags) -> tuple[Array, Flags]:
 
 
 def _planes(surface: Surface, creased: Flags) -> Flags:
-    """Which facets (m,) are parts of planes: of some that are level all around a vertex, or wide beside others. The
-    halves of a quadrangle and the parts of a cylinder's strip are level too."""
+    """Which facets (m,) are parts of planes: of some that are level all around a vertex, or that turn less than those
+    beyond. The halves of a quadrangle and the parts of a cylinder's strip are level with each other too."""
     level = (np.abs(surface.edge_turn) <= _LEVEL) & (surface.twins >= 0)
     face, edge = np.nonzero(level)
     _, region = _joined(face, surface.twins[face, edge], len(level))
     plane = np.bincount(region) > 1
     face, edge = np.nonzero(~level & ~creased & (surface.twins >= 0))
-    other, ends = surface.twins[face, edge], (surface.faces[face, edge], surface.faces[face, (edge + 1) % 3])
-    length = np.linalg.norm(surface.vertices[ends[1]] - surface.vertices[ends[0]], axis=1)
+    other, start, end = surface.twins[face, edge], surface.faces[face, edge], surface.faces[face, (edge + 1) % 3]
+    length = np.linalg.norm(surface.vertices[end] - surface.vertices[start], axis=1)
     curved = np.abs(surface.edge_turn[face, edge]) * length / (surface.areas[face] + surface.areas[other])
     most = np.zeros(len(plane))
     np.maximum.at(most, region[face], curved)
-    plane[region[face[_LESS * curved >= most[region[other]]]]] = False
-    within = np.ones(len(surface.vertices), dtype=bool)
+    still, within = np.ones((2, len(surface.vertices)), dtype=bool)
+    still[start] = still[end] = False
     for k in range(3):
         within[surface.faces[~level[:, k]][:, [k, (k + 1) % 3]]] = False
+    less = np.full(len(plane), _LESS)
+    less[region[still[surface.faces].any(axis=1)]] = _LESS_STILL
+    plane[region[face[less[region[face]] * curved >= most[region[other]]]]] = False
     plane[region[within[surface.faces].any(axis=1)]] = True
     return np.asarray(plane[region])
 

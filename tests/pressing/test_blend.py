@@ -97,6 +97,24 @@ def test_a_plane_around_a_dome_is_a_plane(sides, most, cut) -> None:
     assert lowest(surface) > -1e-9
 
 
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_strips_of_a_wave_are_no_planes_however_wide(seed) -> None:
+    """Some are many times as wide as those beside them."""
+
+    def height(x):
+        return 4.0 * np.sin(x / 12.0)
+
+    random = np.random.default_rng(seed)
+    x = np.sort(np.concatenate([[-60.0], random.uniform(-60.0, 60.0, 22), [60.0]]))
+    assert (x[2:] - x[1:-1]).max() > 3.0 * (x[2:] - x[1:-1]).min()
+    a, b = 2 * np.arange(len(x) - 1), 2 * np.arange(1, len(x))
+    faces = np.concatenate([np.stack([a, b, b + 1], axis=1), np.stack([a, b + 1, a + 1], axis=1)])
+    points = np.stack([np.repeat(x, 2), np.tile([-60.0, 60.0], len(x)), np.repeat(height(x), 2)], axis=1)
+    places = np.linspace(x[2], x[-3], 500)
+    on = np.stack([places, 55.0 * np.sin(places), height(places)], axis=1)
+    assert off(Surface(points, faces), on, False) < 0.25  # the wide ones taken for planes: 0.40, 1.85, 1.31
+
+
 @pytest.mark.parametrize(("cells", "rms"), [(12, 0.2), (24, 0.035), (88, 1.1e-3)])
 def test_the_cup_does_not_dip_below_its_flange(cells, rms) -> None:
     """Its foot runs across the facets."""
