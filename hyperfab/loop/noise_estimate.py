@@ -357,8 +357,10 @@ def _at_most(squares: Array) -> float:
 
 
 def winsorised(left: Array) -> Array:
-    """Return differences, those beyond five standard deviations (by their median) taken as five: a spike is no noise, but
-    long tails are."""
+    """Return differences, those beyond five standard deviations (by their median) taken as five.
+
+    A spike is no noise; long tails are.
+    """
     most = 5.0 * MAD * float(np.median(np.abs(left)))
     return np.clip(left, -most, most)
 

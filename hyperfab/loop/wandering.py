@@ -1,4 +1,4 @@
-"""Noise by what a model leaves: louder than neighbours tell, or alike in them, told from single curves, no replicate."""
+"""Noise by what a model leaves: louder than neighbours tell, or alike in them; told from single curves."""
 
 from __future__ import annotations
 

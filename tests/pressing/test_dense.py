@@ -40,7 +40,9 @@ def test_new_corners_are_on_the_sphere_that_large_facets_stand_for() -> None:
     assert len(fine.faces) > 4 * len(faces)
     assert fine.areas.max() < sphere.areas.max() / 4.0
     off = np.abs(np.linalg.norm(fine.vertices, axis=1) - radius)
-    inner = np.linalg.norm(fine.vertices[:, :2], axis=1) < radius * np.sin(np.radians(39.0))  # beside the border: of one side
+    inner = np.linalg.norm(fine.vertices[:, :2], axis=1) < radius * np.sin(
+        np.radians(39.0)
+    )  # beside the border: of one side
     assert off[inner].max() < 0.02  # chords: 1.1
 
 
