@@ -85,6 +85,24 @@ def test_play_of_each_specimen_ends_as_roundly_as_that_of_all(seed: int, width: 
     assert values[1:-1] == pytest.approx(loose[1:] - loose[0], abs=0.25 * width + 0.002)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_strips_mounted_askew_are_taut_the_later_and_the_more_slowly_the_more_they_are(seed: int) -> None:
+    """One edge is taut before the other: threads across the width begin to bear one after another."""
+    random, tests = np.random.default_rng(seed), []
+    askew = 0.1 * random.rayleigh(0.7, 6)
+    strain, across = np.linspace(0.0, 0.5, 60), (np.arange(50) + 0.5) / 50.0
+    for number, longer in enumerate(askew):
+        pulled = np.maximum(1.0 + strain[:, None] - longer * across, 1.0)
+        load = 0.4 * np.mean(STRESS["uniaxial"](pulled) * (0.5 + 0.5 * pulled), axis=1)
+        noisy = load + random.normal(0.0, 0.0005, len(load))
+        tests.append(TestCurve("uniaxial", 1.0 + strain, noisy, source=f"{number}", specimen=f"{number}"))
+    found = close(fabric_problem(law("yeoh-3"), [0.2, 0.01, 0.01], tests), design=False)
+    assert (found.verdict, found.after.ids) == ("effect", ("grip-slack",))
+    form, values = found.after.fit.terms["grip-slack"]
+    assert form == "each-askew"
+    assert values[1:-1] == pytest.approx(0.5 * (askew[1:] - askew[0]), abs=0.006)
+
+
 def test_a_specimen_is_not_let_go_while_its_grips_part() -> None:
     """Whatever a smooth law has the grips give: the strain of the specimen does not fall as that read rises, but for
     what a law bends by between two of the 401 places it is asked at; where it rises by itself it is left as it is."""

@@ -498,6 +498,8 @@ STATED: list[tuple[str, str, tuple[float, ...], Callable[[Row], float]]] = [
      lambda r: P(1.0 + 0.5 * (r.e - (0.06, 0.09)[r.curve] + math.hypot(r.e - (0.06, 0.09)[r.curve], 0.04)))),
     ("grip-slack", "each-toe", (-0.06, 0.09, 0.04),
      lambda r: P(r.l + 0.06 if r.curve == 0 else 1.0 + 0.5 * (r.e - 0.03 + math.hypot(r.e - 0.03, 0.04)))),
+    ("grip-slack", "each-askew", (-0.06, 0.09, 0.8),
+     lambda r: P(r.l + 0.06 if r.curve == 0 else 1.0 + 0.5 * (r.e - 0.03 + math.hypot(r.e - 0.03, 0.024)))),
     ("load-offset", "constant", (0.03,), lambda r: P(r.l) + 0.03),
     ("load-offset", "drift", (0.03, -0.002), lambda r: P(r.l) + 0.03 - 0.002 * r.t),
     ("load-offset", "settling", (0.03, -0.002, 6.0), lambda r: P(r.l) + 0.03 - 0.012 * (1.0 - math.exp(-r.t / 6.0))),

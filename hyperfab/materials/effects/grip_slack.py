@@ -14,7 +14,7 @@ from hyperfab.materials.law import Array
 _PLACES = np.linspace(0.0, 1.0, 401)
 
 
-def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
+def taken_up(stretch: Array, slack: float | Array, toe: float | Array = 0.0) -> Array:
     """Return the specimen's stretch: ``max(stretch - slack, 1)``, rounded over a strain ``toe`` where the play ends.
 
     A negative slack is a specimen mounted taut. ASTM D412 and D638 (toe compensation).
@@ -23,7 +23,7 @@ def taken_up(stretch: Array, slack: float | Array, toe: float = 0.0) -> Array:
     array([1.  , 1.  , 1.48])
     """
     strain = stretch - 1.0 - slack
-    pulled = 0.5 * (strain + np.sqrt(strain**2 + toe**2)) if toe > 0.0 else np.maximum(strain, 0.0)
+    pulled = 0.5 * (strain + np.sqrt(strain**2 + np.square(toe)))
     return np.asarray(1.0 + np.where(np.asarray(slack) < 0.0, strain, pulled))
 
 
@@ -98,6 +98,11 @@ def by_curve(path: Path, told: Array) -> Array:
     return found
 
 
+def _askew(stretch: Array, slack: Array, width: float) -> Array:
+    """Return the stretch of specimens mounted askew: the more that one edge is longer, the wider the toe."""
+    return taken_up(stretch, slack, width * slack)
+
+
 #: The specimen's stretch in each form: of the path, the stretch read, and the form's constants.
 _Takes = Callable[[Path, Array, Array], Array]
 
@@ -118,6 +123,7 @@ _FORMS: Mapping[str, _Takes] = {
     "toe": lambda path, stretch, values: taken_up(stretch, *values),
     "each": lambda path, stretch, values: taken_up(stretch, of_each(path, values)),
     "each-toe": lambda path, stretch, values: taken_up(stretch, of_each(path, values[:-1]), values[-1]),
+    "each-askew": lambda path, stretch, values: _askew(stretch, of_each(path, values[:-1]), values[-1]),
     "smooth": lambda path, stretch, values: given(stretch, values[0], values[1:]),
 }
 FORMS: Mapping[str, _Takes] = {name: _as_length(takes) for name, takes in _FORMS.items()}

@@ -29,10 +29,11 @@ def grip_slack(context: DataContext) -> Effect:
     forms += tried_if(count > 1, _alone(context, each, 0.005 * reach))
     toe = Constant("toe", 0.0, 0.0, high, step)
     forms.append(Form("toe", (slack, toe), ((0.03 * reach, 0.03 * reach),), refines="play"))
-    # Play of each its own ends as roundly as that of all.
-    begin = (*each.starts[0], 0.03 * reach)
-    rounded = Form("each-toe", (*each.constants, toe), (begin,), refines=("toe", "each"), of_each=True, shared=1)
-    forms += tried_if(count > 1, rounded)
+    # Play of each its own ends as roundly as that of all, or the more so the more it is, of strips mounted askew.
+    for name, end, begin in (("toe", toe, 0.03 * reach), ("askew", Constant("width", 0.0, 0.0, 4.0, 0.3), 1.0)):
+        whole, start = (*each.constants, end), (*each.starts[0], begin)
+        rounded = Form(f"each-{name}", whole, (start,), refines=("toe", "each"), of_each=True, shared=1)
+        forms += tried_if(count > 1, rounded)
     peak = context.peak_stress
     told_to = fixed("peak_MPa", peak)
     give = Constant("give", 0.0, 0.0, high, step)
