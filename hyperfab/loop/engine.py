@@ -87,7 +87,7 @@ def close(
     than noise, so that nothing is to be sought."""
     search = Search(problem, noise if isinstance(noise, Noise) else estimate_noise(problem, noise), tick)
     found = _closed(search, design=design, again=True, apart=apart, put_right=put_right)
-    if found.verdict != "unexplained" or not found.noise.least or found.put_right:
+    if found.verdict != "unexplained" or not found.noise.estimated or found.put_right:
         return found
     wanders = wandering(problem, found.noise, problem.measured - found.after.fit.predicted, 0)
     if not np.any(wanders.sd > found.noise.sd):

@@ -33,7 +33,8 @@ class Noise:
     ``raised`` is how many times what readings tell of it the noise is, where a machine is off by more at least.
     ``pattern`` is what scatter is in proportion to: stresses, and 1 less a transverse stretch. ``least`` is what a
     machine may be off, in all tests alike, as a share of the largest reading of each. ``common`` (rows, k) is what k
-    causes that are known to about a standard deviation, and to no fit, would each do to the readings.
+    causes that are known to about a standard deviation, and to no fit, would each do to the readings. It is
+    ``estimated`` where all of it was told by the readings themselves.
     """
 
     sd: Array
@@ -54,6 +55,7 @@ class Noise:
     least: float = 0.0
     raised: float = 1.0
     common: Array = field(default_factory=lambda: np.empty((0, 0)))
+    estimated: bool = False
 
     def louder(self, chi_squared: Array) -> Array:
         """Return how many times as large its variance is where what told it drew a ``chi_squared`` of its ``dof``.

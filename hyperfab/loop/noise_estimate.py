@@ -78,6 +78,7 @@ def estimate_noise(problem: Problem, stated: float | None = None) -> Noise:
         least=problem.least_noise if free else 0.0,
         raised=float(np.min(raised)),
         common=problem.common,
+        estimated=free,
     )
     if free:
         # No law bends a width as fast as it wanders; of stresses that is not known.

@@ -20,6 +20,7 @@ from hyperfab.documents.base import parse_document
 from hyperfab.documents.mold import MoldDocument
 from hyperfab.io.toml_io import load_toml
 from hyperfab.loop.catalogue.heat import DataContext, base_conduction
+from hyperfab.loop.engine import close
 from hyperfab.loop.heat import HeatProblem
 from hyperfab.loop.problem import split
 from hyperfab.thermal import reduced
@@ -69,6 +70,20 @@ def test_cube_warms_as_one_body() -> None:
     capacity, loss = 8900.0 * 385.0 * 8e-6, 20.0 * 2.4e-3
     expected = 25.0 + 10.0 / loss * (1.0 - np.exp(-loss / capacity * times))
     assert np.max(np.abs(found - expected)) < 0.02
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_drafts_that_last_for_some_readings_are_noise_of_a_mold_that_is_right(seed: int) -> None:
+    """Each reading is by 0.7 what the one before it was: neighbours tell half of the noise, and none of what lacks."""
+    problem, _ = cube(30.0, 25.0)
+    off = np.random.default_rng(seed).standard_normal(101)
+    for row in range(1, 101):
+        off[row] = 0.7 * off[row - 1] + np.sqrt(1.0 - 0.7**2) * off[row]
+    problem.measured = problem.delivered + 0.2 * off
+    found = close(problem, design=False)
+    assert found.verdict == "noise"
+    assert 0.4 < np.max(found.noise.correlation) < 0.9
+    assert np.median(found.noise.sd) == pytest.approx(0.2, rel=0.5)  # so correlated, 101 readings count as 18
 
 
 def test_radiation_cools_as_stefan_and_boltzmann_say() -> None:
