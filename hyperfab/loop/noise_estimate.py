@@ -358,11 +358,8 @@ def _at_most(squares: Array) -> float:
 
 
 def winsorised(left: Array) -> Array:
-    """Return differences, those beyond five standard deviations (by their median) taken as five.
-
-    A spike is no noise; long tails are.
-    """
-    most = 5.0 * MAD * float(np.median(np.abs(left)))
+    """Return differences, those beyond three median deviations taken as three."""
+    most = 3.0 * MAD * float(np.median(np.abs(left)))
     return np.clip(left, -most, most)
 
 
