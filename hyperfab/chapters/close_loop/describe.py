@@ -45,7 +45,7 @@ def describe(
     return LoopDocument(
         domain=domain,
         verdict=found.verdict,
-        effects=[_added(problem, found, name) for name in after.forms],
+        effects=_added(problem, found),
         constants={
             "given": problem.as_stated(problem.given),
             "refitted": problem.as_stated(before.x[: before.own]),
@@ -173,21 +173,24 @@ def _held_out(problem: Problem, found: Finding, domain: str) -> Errors | None:
     )
 
 
-def _added(problem: Problem, found: Finding, name: str) -> AddedEffect:
+def _added(problem: Problem, found: Finding) -> list[AddedEffect]:
     fit = found.after.fit
-    effect, form = problem.effect(name), fit.forms[name]
-    place = fit.place(name)
+    if not fit.forms:
+        return []
     deviations = np.sqrt(np.maximum(np.diag(sum(errors_of_constants(found))), 0.0))
-    return AddedEffect(
-        id=name,
-        title=effect.title,
-        form=form.name,
-        source=effect.source,
-        parameters=form.named(fit.x[place]),
-        parameters_sd=form.named(deviations[place]),
-        evidence=evidence_of(found, name),
-        tentative=found.verdict == "unexplained",
-    )
+    return [
+        AddedEffect(
+            id=name,
+            title=problem.effect(name).title,
+            form=form.name,
+            source=problem.effect(name).source,
+            parameters=form.named(fit.x[fit.place(name)]),
+            parameters_sd=form.named(deviations[fit.place(name)]),
+            evidence=evidence_of(found, name),
+            tentative=found.verdict == "unexplained",
+        )
+        for name, form in fit.forms.items()
+    ]
 
 
 def evidence_of(found: Finding, name: str) -> Evidence:

@@ -18,9 +18,7 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from loop.generators.balance import Array, Table, balanced, bisected
 
 LAWS = ("slip-link", "junctions", "separable", "exp-log")
 
@@ -33,20 +31,6 @@ class Cloth(NamedTuple):
     sharp: bool = False
     yarns: Mapping[str, float] | None = None
     pores: Mapping[str, float] | None = None
-
-
-class Table(NamedTuple):
-    """Nominal stress [MPa], width and thickness of a cloth over its stretch."""
-
-    stretch: Array
-    stress: Array
-    width: Array
-    thickness: Array
-
-    def at(self, stretch: Array) -> Array:
-        """Return the stress at stretches [MPa], below rest by the slope there: a part that is pushed by the others."""
-        slope = self.stress[1] / (self.stretch[1] - 1.0)
-        return np.interp(stretch, self.stretch, self.stress) + slope * np.minimum(stretch - 1.0, 0.0)
 
 
 def modulus(cloth: Cloth) -> float:
@@ -152,15 +136,6 @@ def _taus(cloth: Cloth, first: Array, second: Array, third: Array, angle: float)
     return taus
 
 
-def _bisected(rises: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Return where a rising function is zero between two bounds (n,)."""
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        over = rises(middle) > 0.0
-        low, high = np.where(over, low, middle), np.where(over, middle, high)
-    return 0.5 * (low + high)
-
-
 def _thickness(cloth: Cloth, first: Array, second: Array, angle: float) -> Array:
     """Return the stretch of the thickness; the volume stays unless there are pores.
 
@@ -184,7 +159,7 @@ def _thickness(cloth: Cloth, first: Array, second: Array, angle: float) -> Array
     def lateral(h: Array) -> Array:
         return _taus(cloth, first, second, np.exp(h), angle)[2] + swells(np.exp(area + h))
 
-    return np.exp(_bisected(lateral, -area - 0.05, 0.0 * area + 0.05))
+    return np.exp(bisected(lateral, -area - 0.05, 0.0 * area + 0.05))
 
 
 def table(cloth: Cloth, mode: str, angle: float, furthest: float) -> Table:
@@ -193,19 +168,9 @@ def table(cloth: Cloth, mode: str, angle: float, furthest: float) -> Table:
     Raises ValueError for another mode.
     """
     first = np.linspace(1.0, furthest, 140)
-    if mode == "uniaxial":
-        h = np.log(first)
-
-        def across(wide: Array) -> Array:
-            second = np.exp(wide)
-            taus = _taus(cloth, first, second, _thickness(cloth, first, second, angle), angle)
-            return taus[1] - taus[2]
-
-        second = np.exp(_bisected(across, -1.6 * h - 1e-9, 0.3 * h + 1e-9))
-    elif mode in ("shear", "biaxial"):
-        second = first if mode == "biaxial" else np.ones_like(first)
-    else:
-        raise ValueError(f"no cloth of this set is tested in {mode}")
-    third = _thickness(cloth, first, second, angle)
-    taus = _taus(cloth, first, second, third, angle)
-    return Table(first, (taus[0] - taus[2]) / first, second, third)
+    return balanced(
+        first,
+        mode,
+        lambda second: _thickness(cloth, first, second, angle),
+        lambda second, third: _taus(cloth, first, second, third, angle),
+    )
